@@ -14,6 +14,8 @@ from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.further_modes import reach_of_modes
@@ -38,6 +40,11 @@ INFLATED = CAPSULE | {"reference_shape": "equilibrium", "device": CAPSULE["devic
 EGG = [[np.sin(a) * (1 + 0.1 * np.cos(a)), np.cos(a)] for a in np.linspace(0.0, np.pi, 13)[1:-1]]
 EGG = CAPSULE["device"] | {"internal_pressure": 2e4, "shape": {"profile": [[0.0, 1.0], *EGG, [0.0, -1.0]]}}
 INFLATED_EGG = CAPSULE | {"reference_shape": "equilibrium", "device": EGG}
+BELT = {"strain": "hoop", "belt": [60, 120]}
+SEVERAL = {
+    "full": {"ports": {"h": "heave", "v": "volume"}}, "spread": {"port": {"distributed": "membrane"}},
+    "diagonal": {"ports": {"r": {"colatitude": 120}, "b": BELT, "v": "volume"}, "matrix": "diagonal"},
+}  # fmt: skip
 LENGTHS = {
     "device.radius": 1, "device.thickness": 1, "device.young_modulus": 1, "device.internal_pressure": 1,
     "device.mass": 3, "device.poisson_ratio": 0, "device.density": 0,
@@ -50,7 +57,8 @@ def model_of(study, design, climate, variables):
     model = DesignModel.of(study, design, climate, variables)
     profile = study.device.shape is not None and study.device.shape.profile
     grid, fatigue = FrequencyGrid.of(climate, 12.0, 8, 3), Fatigue(exponent=4.0, strain=0.1)
-    return replace(model, nodes=64 if profile else 28, grid=grid, fatigue=fatigue)
+    several = isinstance(study.pto.port, SeveralPorts)
+    return replace(model, nodes=64 if profile else 28, grid=grid, fatigue=None if several else fatigue)
 
 
 def differences(model, variable, part):
@@ -97,6 +105,11 @@ def differences(model, variable, part):
         pytest.param("VSWEC", INFLATED, "device.shape.capsule.length", marks=pytest.mark.slow),
         pytest.param("VSWEC", INFLATED_EGG, "device.internal_pressure", marks=pytest.mark.slow),
         pytest.param("VSWEC", INFLATED_EGG, "device.radius", marks=pytest.mark.slow),
+        ("VSWEC", PORT | {"pto": SEVERAL["full"]}, "device.internal_pressure"),
+        ("VSWEC", SPHEROID | {"pto": SEVERAL["diagonal"]}, "device.shape.spheroid.height"),
+        ("VSWEC", PORT | {"pto": SEVERAL["spread"]}, "device.radius"),
+        ("VSWEC", RUBBER | {"pto": SEVERAL["spread"]}, "device.material.mu"),
+        ("VSWEC90", PORT | {"pto": SEVERAL["spread"] | {"damping": 0.05}}, "pto.damping"),
         ("VSWEC", RUBBER, "device.material.jm"),
         ("VSWEC", RUBBER, "device.material.mu"),
     ],
@@ -196,7 +209,7 @@ def test_what_cannot_be_evaluated_is_named(climate):
     for changes, design, keys, words in (
         ({}, "none", [], "design: received 'none'"),
         ({}, "FSB", ["device.colour"], "variables: received device.colour"),
-        ({"pto": {"port": {"distributed": "membrane"}}}, "VSWEC", [], "pto.port: received several, or the whole shell"),
+        ({"pto": {"port": {"dofs": {"Heave": 1.0, "Membrane2": 0.5}}}}, "VSWEC", [], r"pto\.port.*no natural modes"),
         ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", [], "pto.port"),
         ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
         ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),
@@ -229,12 +242,26 @@ def test_a_buoy_that_does_not_rest_stably_has_no_power(climate):
         model_of(study_of(**soft), "VSWEC", climate, []).at([])
 
 
+def campaigns_buoy(model):
+    """The buoy of a study in natural modes, its water solved at the frequencies of the year."""
+    study, grid = model.study, model.grid
+    reference, moved, water = reference_shell(study), displacements(study.modes.degree), study.water
+    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
+    solved = with_excitation(problem.solve(list(grid.omega)))
+    coefficients = Coefficients(
+        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
+    )
+    return buoy_at(study, reference, ShapeWater(moved, grid.omega, coefficients))
+
+
 @pytest.mark.parametrize(
     ("design", "changes"),
     [
         ("FSB", {}),
         ("VSWEC", {"pto": {"stiffness": 5e3}}),
         ("VSWEC90", SPHEROID),
+        ("VSWEC90", SPHEROID | {"pto": {"port": {"colatitude": 70, "against": "frame"}}}),
+        ("VSWEC", SPHEROID | {"pto": {"port": {"dof": "Heave"}}}),
         ("VSWEC", {"reference_shape": "undeformed", "water": {"depth": 5.0}, "device": {"thickness": 0.1}}),
     ],
 )
@@ -243,20 +270,31 @@ def test_the_year_is_that_of_a_campaign(climate, design, changes):
     study = study_of(**changes)
     model = DesignModel.of(study, design, climate, [])
     found, grid = model.at([]), model.grid
-    reference = reference_shell(study)
-    moved = displacements(study.modes.degree)
-    water = study.water
-    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
-    solved = with_excitation(problem.solve(list(grid.omega)))
-    coefficients = Coefficients(
-        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
-    )
-    buoy = buoy_at(study, reference, ShapeWater(moved, grid.omega, coefficients))
-    port = buoy.ports(study.pto.stiffness)[design]
+    port = campaigns_buoy(model).ports(study.pto.stiffness)[design]
     damping = np.array([found["damping"].value * factor for factor in (0.99, 1.0, 1.01)])
     power = port.power(damping) @ (2 * grid.variance)
     assert found["annual_mean_power"].value == pytest.approx(power[1], rel=1e-7)
     assert power[1] == power.max()
+
+
+@pytest.mark.parametrize(
+    ("design", "changes", "take_off"),
+    [("VSWEC90", SPHEROID, "full"), ("VSWEC", SPHEROID, "diagonal"), ("VSWEC", {}, "spread")],
+)
+def test_the_year_of_several_ports_is_that_of_a_campaign(climate, design, changes, take_off):
+    """No damper matrix of the kind absorbs more in it, and no take-off more than V0^H (Re Y)^-1 V0/8."""
+    model = DesignModel.of(study_of(**changes, pto=SEVERAL[take_off]), design, climate, [])
+    found, squares = model.at([]), 2 * model.grid.variance
+    ports = campaigns_buoy(model).several_ports()[design]
+    spread = take_off == "spread"
+    dampers = found["damping"].value * np.eye(ports.velocity.shape[1]) if spread else found.dampers
+    power = squares @ ports.power(dampers)
+    assert found["annual_mean_power"].value == pytest.approx(power, rel=1e-7)
+    best = best_matrix(ports, squares, "uniform" if spread else take_off)
+    assert best.power == pytest.approx(power, rel=1e-9)
+    assert power < squares @ ports.matched_power
+    if spread:
+        assert max(squares @ ports.power(dampers * factor) for factor in (0.99, 1.01)) < power
 
 
 def test_what_a_clamped_design_leaves_out_holds_the_power_of_all_degrees(climate):

@@ -11,9 +11,11 @@ from vsb.design.fatigue import damage
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
+from vsb.design.several import SeveralYear
 from vsb.design.year import FrequencyGrid, PortYear, YearMotion, band, chebyshev, interpolation
 from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.engine.motion.causal import KEPT, RmsLimits
+from vsb.engine.motion.take_off import DofPort, SeveralPorts
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
@@ -70,6 +72,7 @@ class Evaluation:
 
     quantities: Mapping[str, Quantity]
     worth: Mapping[str, float] = field(default_factory=dict)  # relative gain of power per widening of a control's limit
+    dampers: FloatArray | None = None  # matrix of several ports, (port, port); its units are those of the ports
 
     def __getitem__(self, name: str) -> Quantity:
         """Return a quantity by name."""
@@ -77,7 +80,7 @@ class Evaluation:
 
     @property
     def damping(self) -> float | None:
-        """The damper [N s/m]; None under causal control."""
+        """The damper [N s/m]; None under causal control, and at several ports."""
         return self["damping"].value if "damping" in self.quantities else None
 
 
@@ -101,6 +104,7 @@ class DesignModel:
     cost: Mapping[str, float] = field(default_factory=dict)  # prices by the quantity they are of
     control: RmsLimits | None = None  # limits of causal control; none: a damper
     fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
+    dampers: FloatArray | None = None  # matrix of several ports that is kept; none: the one that absorbs most
 
     @classmethod
     def of(
@@ -130,8 +134,12 @@ class DesignModel:
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
         if study.device.damping.maxwell:
             raise ConfigError("device.damping.maxwell: received branches; derivatives of designs need none")
-        if study.pto.several:
-            raise ConfigError("pto.port: received several, or the whole shell; derivatives of designs need one port")
+        if study.pto.several and control:
+            raise ConfigError("pto.port: received several, or the whole shell; causal control needs one port")
+        if isinstance(port := study.pto.port, DofPort) and set(port.dofs) != {"Heave"}:
+            raise ConfigError(
+                f"pto.port: received {port.dofs}; derivatives of designs know no natural modes, need Heave"
+            )
         if study.opens_chamber:
             raise ConfigError(
                 "pto.port: received 'volume' with device.gas; a design needs another port, or no trapped gas"
@@ -203,8 +211,9 @@ class DesignModel:
         -------
         Evaluation
             `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable; `damping`, that
-            damper [N s/m]; or, without `damping`, under one causal controller; root mean squares of the take-off's
-            `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
+            damper [N s/m]; or, without `damping`, under one causal controller, or the damper matrix of several ports
+            that absorbs most; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m], of one port
+            that is not spread over the shell; `beam` and `draft`
             of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
             `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
             the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a spring
@@ -234,17 +243,19 @@ class DesignModel:
         year = self._year(study, motion)
         found = {**year.quantities, **self._at_rest(buoy, of_device, stepped)}
         if self.fatigue and study.designs[self.design].flexible:
+            if isinstance(study.pto.port, SeveralPorts):
+                raise ConfigError("fatigue: received with several ports, whose damper matrix has no derivatives")
             damper = found["damping"].value, found["damping"].gradient
             of_wall = damage(self.fatigue, self.climate, buoy, self.design, steps, places, motion, damper)
             found["damage"] = Quantity(*of_wall)
-        if study.pto.moved_by_heave:
+        if study.pto.moved_by_heave and not study.pto.several:
             found |= self._spring_pulls(study, found)
         if self.cost:
             found["cost"] = Quantity(
                 sum(price * found[of].value for of, price in self.cost.items()),
                 np.sum([price * found[of].gradient for of, price in self.cost.items()], axis=0),
             )
-        return Evaluation(found, year.worth)
+        return replace(year, quantities=found)
 
     def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
         """Places of the variables of the device, and the buoy with a step of each."""
@@ -277,7 +288,8 @@ class DesignModel:
     def _motion(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> YearMotion:
         """The motion over the year beside the spring; derivatives of matrices are by the variables at `places`."""
         parts = {part.name: of_all(getattr(change, part.name), places, len(self.variables)) for part in fields(change)}
-        parts["stiffness"] = parts["stiffness"] + self._is(SPRING)[:, None, None] * np.outer(buoy.port, buoy.port)
+        if self._is(SPRING).any():
+            parts["stiffness"] = parts["stiffness"] + self._is(SPRING)[:, None, None] * np.outer(buoy.port, buoy.port)
         return YearMotion(self.grid, buoy, Linearised(**parts), study.pto.stiffness)
 
     def _is(self, name: str) -> FloatArray:
@@ -286,6 +298,8 @@ class DesignModel:
 
     def _year(self, study: Study, motion: YearMotion) -> Evaluation:
         """Power, damper, force and stroke over the year."""
+        if study.pto.several:
+            return self._year_of_several(study, SeveralYear(motion))
         k, is_damper, k_change = study.pto.stiffness, self._is(DAMPER), self._is(SPRING)
         port = PortYear.of(motion)
         steadiness = {"spring_share": _spring_share(k, k_change, motion.buoy, motion.change)}
@@ -312,6 +326,20 @@ class DesignModel:
         }
         worth = {"force_rms": controlled.damper.worth} if controlled and controlled.damper else {}
         return Evaluation(quantities | steadiness, worth)
+
+    def _year_of_several(self, study: Study, year: SeveralYear) -> Evaluation:
+        """Power at several ports, or of a damper spread over the shell, and the dampers."""
+        if isinstance(study.pto.port, SeveralPorts):
+            dampers = year.best(study.pto.port.matrix) if self.dampers is None else self.dampers
+            return Evaluation({"annual_mean_power": Quantity(*year.power(dampers))}, dampers=dampers)
+        is_damper, count = self._is(DAMPER), len(year.motion.rows)
+        if is_damper.any():
+            c, c_change = study.pto.damper(self.design) or 0.0, is_damper
+        else:
+            c = float(year.best("uniform")[0, 0])
+            c_change = year.optimal_change(c)
+        power = year.power(c * np.eye(count), c_change[:, None, None] * np.eye(count))
+        return Evaluation({"annual_mean_power": Quantity(*power), "damping": Quantity(c, c_change)})
 
 
 @dataclass(frozen=True)
@@ -355,7 +383,8 @@ def _spring_share(k: float, k_change: FloatArray, buoy: Linearised, change: Line
 
 def _check_stable(buoy: Linearised, spring: float, design: str) -> None:
     """Check that a buoy beside a spring at its port [N/m] returns to its rest; its linear motion means nothing else."""
-    least = np.linalg.eigvalsh(buoy.stiffness + spring * np.outer(buoy.port, buoy.port))[0]
+    beside = spring * np.outer(buoy.port, buoy.port) if spring else 0.0
+    least = np.linalg.eigvalsh(buoy.stiffness + beside)[0]
     if least <= 0:
         raise StabilityError(f"design {design} is not stable at rest: its least stiffness is {least:.3g} N/m")
 

@@ -142,7 +142,8 @@ def damage(
         Damper [N s/m] and its derivatives, shape (variable,).
     """
     motions, turned = motions_of(buoy, design, steps)
-    q = motion.damped(damper[0], motion.undamped[0])
+    matrix = damper[0] * np.eye(len(motion.rows))
+    q = motion.damped(matrix, motion.undamped[0])
     wall = Wall(fatigue, SeaMoments(motion.grid, climate), q @ motions.T)
     face, at = _worst(wall, buoy)
 
@@ -154,8 +155,8 @@ def damage(
     free = here @ motions
     row_change = of_all(change.reshape(-1, len(here)) @ motions + here @ turned, places, len(damper[1]))
     strained = np.linalg.solve(motion.dynamic, np.broadcast_to(free, q.shape)[..., None])[..., 0]
-    under = motion.damped(damper[0], strained)
-    slopes = row_change @ q.T + motion.slopes(under, q, *damper)
+    under = motion.damped(matrix, strained)
+    slopes = row_change @ q.T + motion.slopes(under, q, matrix, damper[1][:, None, None] * np.eye(len(matrix)))
     strain = q @ free
     return float(wall.damage(here)), 2 * (strain.conj() * slopes).real @ wall.weights(here)
 

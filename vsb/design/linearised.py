@@ -1,8 +1,8 @@
 """Matrices of a design about its shape at rest, over its free motions, and their derivatives by variables."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Literal, Protocol
 
 import numpy as np
 from scipy.linalg import null_space
@@ -13,7 +13,7 @@ from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.motion.port import port_direction
-from vsb.engine.motion.take_off import ShellPort
+from vsb.engine.motion.take_off import DistributedPort, DofPort, SeveralPorts, ShellPort, SinglePort
 from vsb.engine.shell.modes import DISTINCT
 from vsb.engine.shell.shell import Curve
 from vsb.errors import ConfigError
@@ -33,7 +33,7 @@ class Linearised:
     stiffness: FloatArray  # [N/m]
     radiation: ComplexArray  # A + i B/omega ([variable,] omega, motion, motion) [kg]
     excitation: ComplexArray  # ([variable,] omega, motion) [N/m]
-    port: FloatArray  # b ([variable,] motion) [-]
+    port: FloatArray  # b ([variable,] motion) [-]; of several ports B^T ([variable,] port, motion)
 
     def over(self, motions: FloatArray) -> "Linearised":
         """Return N^T V N and N^T f of the matrices V and forces f, N being other motions, shape (motion, free)."""
@@ -60,7 +60,7 @@ class Linearised:
             both(self.stiffness),
             both(self.radiation),
             self.excitation @ change,
-            (change * self.port[:, None]).sum(axis=1),
+            self.port @ change,
         )
 
     def plus(self, other: "Linearised") -> "Linearised":
@@ -118,14 +118,15 @@ def linearised(
         mixed = turned @ ((solved.radiation + solved.radiation.swapaxes(1, 2)) / 2)[:, None] @ shape.T
         radiation_change = radiation_change + mixed + mixed.swapaxes(-1, -2)
         excitation_change = excitation_change + (solved.excitation[:, None, None] @ turned.swapaxes(-1, -2))[..., 0, :]
-    by_port = np.reshape([_port_slope(buoy) if one == "port" else np.zeros(dof) for one in steps], (count, dof))
+    sized = values.port.shape
+    by_port = np.reshape([_port_slope(buoy) if one == "port" else np.zeros(sized) for one in steps], (count, *sized))
     changes = Linearised(
         change(lambda b: b.matrices.mass, dof, dof),
         change(lambda b: b.matrices.damping, dof, dof),
         change(lambda b: b.matrices.stiffness, dof, dof),
         radiation_change.swapaxes(0, 1),
         excitation_change.swapaxes(0, 1),
-        change(_port, dof) + by_port,
+        _port_change(buoy, change, values.port) + by_port,
     ).over(motions)
     if turning.any():
         changes = changes.plus(values.turned(motions, turning))
@@ -139,9 +140,52 @@ def _displaced(buoy: RestingBuoy, moved: Sequence[Displacement]) -> FloatArray:
 
 
 def _port(buoy: RestingBuoy) -> FloatArray:
-    """The motion of the take-off's port, b over all degrees of freedom."""
-    found = port_direction(buoy.study.pto.port, buoy.shape)
-    return found if buoy.frame is None or buoy.study.pto.port == "heave" else found @ buoy.frame
+    """The motion of the take-off's port, b over all degrees of freedom, (dof,); of several B^T, (port, dof)."""
+    choice = buoy.study.pto.port
+    if isinstance(choice, SeveralPorts):
+        return np.stack([_port(_at_port(buoy, one)) for one in choice.ports.values()])
+    if isinstance(choice, ShellPort) and buoy.frame is not None:
+        to_sea_bed = port_direction(choice.model_copy(update={"against": "sea_bed"}), buoy.shape)
+        return _against(choice, to_sea_bed @ buoy.frame)
+    found = port_direction(choice, buoy.shape).T
+    of_frame = choice == "heave" or isinstance(choice, DofPort)
+    return found if buoy.frame is None or of_frame else found @ buoy.frame
+
+
+def _against(port: ShellPort, to_sea_bed: FloatArray) -> FloatArray:
+    """The motion of a ring against what its take-off stands on, from that against the sea bed: frame or sea bed."""
+    return to_sea_bed * (np.arange(len(to_sea_bed)) > 0) if port.against == "frame" else to_sea_bed
+
+
+def _at_port(buoy: RestingBuoy, port: SinglePort) -> RestingBuoy:
+    """A buoy with its take-off at another port."""
+    pto = buoy.study.pto.model_copy(update={"port": port})
+    return replace(buoy, study=buoy.study.model_copy(update={"pto": pto}))
+
+
+class _Change(Protocol):
+    """What differentiates functions of a buoy by all variables."""
+
+    def __call__(self, of: Callable[[RestingBuoy], AnyArray], *size: int) -> FloatArray: ...
+
+
+def _port_change(buoy: RestingBuoy, change: _Change, port: FloatArray) -> FloatArray:
+    """Derivatives of `_port` by all variables.
+
+    Of a damper spread over the shell by those of the membrane's stiffness K = L L^T, whose rank is the same:
+    dL = (1 - L L^+/2) dK L^+^T.
+    """
+    if not isinstance(buoy.study.pto.port, DistributedPort):
+        return change(_port, *port.shape)
+    inverse = np.linalg.pinv(port.T, rcond=DISTINCT)
+    by = change(_membrane_stiffness, port.shape[1], port.shape[1])
+    return np.asarray((inverse @ by) @ (np.eye(len(inverse.T)) - port.T @ inverse / 2).T)
+
+
+def _membrane_stiffness(buoy: RestingBuoy) -> AnyArray:
+    """Stiffness of the membrane about the shape at rest, shape (dof, dof) [N/m]."""
+    stiffness = buoy.loaded.elastic.membrane_stiffness(buoy.modal_amplitude)
+    return stiffness if buoy.frame is None else buoy.frame.T @ stiffness @ buoy.frame
 
 
 def _port_slope(buoy: RestingBuoy) -> FloatArray:
@@ -156,8 +200,8 @@ def _port_slope(buoy: RestingBuoy) -> FloatArray:
     slope = slopes[0]
     if port.direction == "vertical":
         slope = (slopes[0] - meridional) * np.cos(at) - (slopes[1] + radial) * np.sin(at)
-    found = np.deg2rad(slope[:, 0]) * (1.0 if port.against == "sea_bed" else np.arange(len(slope)) > 0)
-    return np.asarray(found if buoy.frame is None else found @ buoy.frame)
+    found = np.deg2rad(slope[:, 0])
+    return _against(port, found if buoy.frame is None else found @ buoy.frame)
 
 
 def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:

@@ -113,6 +113,16 @@ class YearMotion:
     spring: float  # [N/m]
 
     @cached_property
+    def rows(self) -> FloatArray:
+        """Motion of each port per free motion, B^T, shape (port, free) [-]."""
+        return np.atleast_2d(self.buoy.port)
+
+    @cached_property
+    def row_changes(self) -> FloatArray:
+        """Its derivatives by each variable, shape (variable, port, free)."""
+        return self.change.port.reshape(-1, *self.rows.shape)
+
+    @cached_property
     def excitation(self) -> ComplexArray:
         """X, shape (omega, free) [N/m]."""
         return np.asarray(self.grid.interpolation @ self.buoy.excitation)
@@ -121,31 +131,47 @@ class YearMotion:
     def dynamic(self) -> ComplexArray:
         """D, shape (omega, free, free) [N/m]."""
         w, buoy = self.grid.omega[:, None, None], self.buoy
-        beside = buoy.stiffness + self.spring * np.outer(buoy.port, buoy.port)
+        beside = buoy.stiffness + self.spring * self.rows.T @ self.rows
         return np.asarray(-(w**2) * (buoy.mass + self.grid.radiation(buoy.radiation)) - 1j * w * buoy.damping + beside)
 
     @cached_property
     def undamped(self) -> tuple[ComplexArray, ComplexArray]:
-        """Motion q = D^-1 X in the waves, and l = D^-1 b under a unit force at the port, (omega, free) [m], [m/N]."""
-        load = np.broadcast_to(self.buoy.port, self.excitation.shape)
-        q, under = np.moveaxis(np.linalg.solve(self.dynamic, np.stack([self.excitation, load], axis=-1)), -1, 0)
-        return q, under
+        """Motion q = D^-1 X in the waves (omega, free) [m], and D^-1 B under unit forces (omega, free, port) [m/N]."""
+        loads = np.broadcast_to(self.rows.T, (*self.excitation.shape, len(self.rows)))
+        found = np.linalg.solve(self.dynamic, np.concatenate([self.excitation[..., None], loads], axis=-1))
+        return found[..., 0], found[..., 1:]
 
-    def damped(self, damper: float, undamped: ComplexArray) -> ComplexArray:
-        """Return a motion D^-1 f beside a damper at the port [N s/m] from the one without, shape (omega, free) [m]."""
-        b, under, resisting = self.buoy.port, self.undamped[1], 1j * self.grid.omega * damper
-        moved = (undamped @ b) / (1 - resisting * (under @ b))
-        return np.asarray(undamped + (resisting * moved)[:, None] * under)
+    def damped(self, damper: float | FloatArray, undamped: ComplexArray) -> ComplexArray:
+        """Return a motion (D - i w B C B^T)^-1 f beside dampers from the one without, D^-1 f, shape (omega, free) [m].
+
+        Parameters
+        ----------
+        damper : float or ndarray, shape (port, port)
+            C [N s/m].
+        undamped : ndarray, shape (omega, free) [m]
+        """
+        under, resisting = self.undamped[1], 1j * self.grid.omega[:, None, None] * np.atleast_2d(damper)
+        beside = np.eye(len(self.rows)) - self.rows @ under @ resisting
+        moved = np.linalg.solve(beside, (undamped @ self.rows.T)[..., None])
+        return np.asarray(undamped + (under @ (resisting @ moved))[..., 0])
 
     def slopes(
-        self, left: ComplexArray, motion: ComplexArray, damper: float = 0.0, by: FloatArray | None = None
+        self,
+        left: ComplexArray,
+        motion: ComplexArray,
+        damper: float | FloatArray = 0.0,
+        by: FloatArray | None = None,
     ) -> ComplexArray:
         """Return l^T (dX - dD q) for each variable, shape (variable, omega); parameters are those of `reaction`."""
         forced = (self.grid.interpolation @ self.change.excitation * left).sum(axis=-1)
         return np.asarray(forced - self.reaction(left, motion, damper, by))
 
     def reaction(
-        self, left: ComplexArray, motion: ComplexArray, damper: float = 0.0, by: FloatArray | None = None
+        self,
+        left: ComplexArray,
+        motion: ComplexArray,
+        damper: float | FloatArray = 0.0,
+        by: FloatArray | None = None,
     ) -> ComplexArray:
         """Return l^T dD q for each variable, shape (variable, omega), D with a damper at the port.
 
@@ -153,12 +179,12 @@ class YearMotion:
         ----------
         left, motion : ndarray, shape (omega, free)
             l and q.
-        damper : float [N s/m]
-        by : ndarray, shape (variable,)
+        damper : float or ndarray, shape (port, port) [N s/m]
+        by : ndarray, shape (variable,) or (variable, port, port)
             Derivatives of the damper; none: 0.
         """
-        w, between, b, change = self.grid.omega, self.grid.interpolation, self.buoy.port, self.change
-        count, free = change.port.shape
+        w, between, change = self.grid.omega, self.grid.interpolation, self.change
+        count, free = len(change.port), self.rows.shape[1]
         pairs = (left[:, :, None] * motion[:, None, :]).reshape(-1, free**2).T
         mass, damping, stiffness = (
             values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, change.stiffness)
@@ -169,10 +195,14 @@ class YearMotion:
         )
         radiated = added + 1j * self.grid.known / w * damped
         dynamic = -(w**2) * (mass + radiated) - 1j * w * damping + stiffness
-        ported = (left @ b) * (change.port @ motion.T) + (motion @ b) * (change.port @ left.T)
-        taken = (self.spring - 1j * w * damper) * ported
+        at_left, at_port = left @ self.rows.T, motion @ self.rows.T
+        taken = np.zeros_like(dynamic)
+        for moved, other in ((left, at_port), (motion, at_left)):
+            loaded = self.spring * other - 1j * w[:, None] * (other @ np.atleast_2d(damper))
+            taken = taken + (self.row_changes @ moved.T * loaded.T).sum(axis=1)
         if by is not None:
-            taken = taken - 1j * w * by[:, None] * (left @ b) * (motion @ b)
+            changed = by.reshape(count, len(self.rows), len(self.rows))
+            taken = taken - 1j * w * ((changed @ at_port.T) * at_left.T).sum(axis=1)
         return np.asarray(dynamic + taken)
 
 
@@ -190,7 +220,7 @@ class PortYear:
     def of(cls, motion: YearMotion) -> "PortYear":
         """Return the port of a buoy that moves over the year, and its derivatives."""
         b, change = motion.buoy.port, motion.change.port
-        q, under = motion.undamped
+        q, under = motion.undamped[0], motion.undamped[1][..., 0]
         moved, receptance = motion.slopes(under, q), 2 * change @ under.T - motion.reaction(under, under)
         return cls(motion.grid, q @ b, under @ b, moved + change @ q.T, receptance)
 

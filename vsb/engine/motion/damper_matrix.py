@@ -112,7 +112,7 @@ class DamperMatrix(NamedTuple):
     power: float  # [W]
 
 
-def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> DamperMatrix:
+def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_steps: int = 0) -> DamperMatrix:
     """Return the damper matrix C >= 0, real and symmetric, that absorbs most in a sea.
 
     Parameters
@@ -120,6 +120,9 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
     squares : ndarray, shape (omega,)
         Squared amplitudes [m^2]: of one sea, of several together, or of a year.
     kind : {'full', 'diagonal', 'uniform'}
+    newton_steps : int
+        Most Newton steps after quasi-Newton's: of a matrix whose power is to be differentiated, for then slopes by the
+        ports are as exact as the matrix.
 
     Notes
     -----
@@ -135,7 +138,7 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
     moving = ports.admittance.any(axis=(0, 2))
     if kind != "uniform" and not moving.all():  # as in a rigid design, which a port of strain does not move with
         part = Ports(ports.omega, ports.admittance[:, moving][:, :, moving], ports.velocity[:, moving])
-        some, whole = best_matrix(part, squares, kind), np.zeros((count, count))
+        some, whole = best_matrix(part, squares, kind, newton_steps), np.zeros((count, count))
         whole[np.ix_(moving, moving)] = some.damping
         return DamperMatrix(whole, some.power)
     seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
@@ -163,9 +166,27 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
         own = best_matrix(ports, squares, "diagonal").damping
         followed.append(form.of_diagonal(np.diag(own) / unit**2))
     found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
-    best = min(found, key=lambda one: float(one.fun))
-    damping, _ = form.matrix(best.x, unit)
+    best = np.asarray(min(found, key=lambda one: float(one.fun)).x)
+    for _ in range(newton_steps):
+        best = _newton_step(loss, best)
+    damping, _ = form.matrix(best, unit)
     return DamperMatrix(damping, float(weights @ seen.power(damping)))
+
+
+def _newton_step(loss: Callable[[FloatArray], tuple[float, FloatArray]], x: FloatArray) -> FloatArray:
+    """A point after a Newton step towards the least loss, the Hessian by differences of slopes; itself if no better.
+
+    Along directions in which the loss hardly bends, such as those of dampers that lock, the point stays.
+    """
+    value, slope = loss(x)
+    steps = 1e-5 * np.diag(1 + np.abs(x))
+    hessian = np.array([(loss(x + step)[1] - loss(x - step)[1]) / (2 * step.sum()) for step in steps])
+    bends, directions = np.linalg.eigh((hessian + hessian.T) / 2)
+    kept = bends > 1e-7 * bends[-1]
+    moved = x - directions[:, kept] @ ((slope @ directions[:, kept]) / bends[kept])
+    after, slope_after = loss(moved)
+    better = after <= value + 1e-14 and np.abs(slope_after).max() < np.abs(slope).max()
+    return np.asarray(moved if better else x)
 
 
 def matrix_text(matrix: FloatArray, digits: int) -> str:

@@ -119,7 +119,13 @@ class ElasticShell:
         return along, (1 + q @ hoop) * hoop, *self._tables.curvatures
 
     def membrane_factor(self, q: FloatArray) -> FloatArray:
-        """Return L of the membrane's stiffness L L^T at amplitudes q, without bending, shape (dof, rank) [(N/m)^0.5].
+        """Return L of the membrane's stiffness L L^T at amplitudes q, shape (dof, rank) [(N/m)^0.5]."""
+        values, vectors = np.linalg.eigh(self.membrane_stiffness(q))
+        kept = values > 1e-12 * values[-1]
+        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
+
+    def membrane_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the membrane's stiffness at amplitudes q, without bending, shape (dof, dof) [N/m].
 
         h d2W/dE_i dE_j dA in the gradients of the Green strains, the moduli those of the material as it is stretched.
         """
@@ -127,9 +133,7 @@ class ElasticShell:
         moduli, volume = self.basis.shell.law.moduli(*self.strains(q)), self.basis.shell.thickness * self._tables.area
         mixed = (volume * moduli.mixed * along) @ hoop.T
         whole = (volume * moduli.first * along) @ along.T + (volume * moduli.second * hoop) @ hoop.T + mixed + mixed.T
-        values, vectors = np.linalg.eigh(whole)
-        kept = values > 1e-12 * values[-1]
-        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
+        return np.asarray(whole)
 
     def material_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the part of the Hessian of U that holds the elastic moduli, bending included, (dof, dof) [N/m]."""
