@@ -10,7 +10,7 @@ from stages.test_members import with_seas
 
 from vsb.pipeline import costs, schedule
 from vsb.pipeline.jobs import jobs
-from vsb.pipeline.tasks import tasks
+from vsb.pipeline.tasks import Task, tasks
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
 from vsb.study.study import load, parse
@@ -89,14 +89,37 @@ def test_seconds_are_as_precise_as_the_estimate(value, words):
     assert costs.plain_seconds(value) == words
 
 
-@pytest.mark.parametrize(
-    ("cores", "duration", "here"),
-    [(1, 60.0, True), (2, 60.0, True), (64, 60.0, True), (1, 2e4, True), (64, 2e4, False)],
-)
-def test_a_plan_runs_in_one_process_where_jobs_side_by_side_end_no_sooner(tmp_path, monkeypatch, cores, duration, here):
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(cores)))
+@pytest.mark.parametrize(("duration", "short"), [(60.0, True), (2e5, False)])
+def test_a_short_plan_does_without_snakemake(tmp_path, duration, short):
     seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.5, 3.0, 3.5, 4.0)]
     raw = yaml.safe_load(EXAMPLE.read_text()) | {"modes": {"degree": 6}, "waves": seas}
     raw["hydro"] = raw["hydro"] | {"model": "body_exact"}
     raw["simulation"] |= {"duration": duration, "window": [10.0, 40.0]}
-    assert schedule.is_faster_here(StudyPlan(parse(raw), root=str(tmp_path))) is here
+    assert schedule.is_short(StudyPlan(parse(raw), root=str(tmp_path))) is short
+
+
+def work(name, seconds, *needs):
+    """A task that makes a file of its name."""
+    return Task("modes", None, {}, (name,), needs, seconds=seconds)
+
+
+@pytest.mark.parametrize(
+    ("some", "cores", "count"),
+    [
+        ([work("a", 10.0), work("b", 10.0)], 2, 2),
+        ([work("a", 10.0), work("b", 10.0)], 1, 1),
+        ([work("a", 10.0), work("b", 10.0, "a")], 2, 1),
+        ([work("a", 0.5), work("b", 0.5)], 2, 1),
+        ([work("a", 10.0), work("b", 10.0)], 64, 2),
+        ([], 2, 1),
+    ],
+    ids=["apart", "one core", "a chain", "short", "many cores", "nothing left"],
+)
+def test_processes_side_by_side_where_they_end_sooner(monkeypatch, some, cores, count):
+    monkeypatch.setattr(schedule, "cores", lambda: cores)
+    assert schedule.workers(some) == count
+
+
+def test_longest_chains_count_what_waits():
+    some = [work("a", 1.0), work("b", 2.0), work("c", 3.0, "a", "b"), work("d", 4.0, "a")]
+    assert schedule.longest_chains(some) == [5.0, 5.0, 3.0, 4.0]

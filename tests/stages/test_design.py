@@ -40,7 +40,7 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
-from vsb.stages.run import _best_so_far
+from vsb.stages.make import best_so_far
 from vsb.stages.stage import run_task
 from vsb.study.design import PARTS, load_design
 from vsb.study.design_plan import DesignPlan
@@ -104,12 +104,12 @@ def test_ranges_whose_limits_conflict_are_refused_before_anything_is_solved(fold
 
 def test_best_of_all_starts_is_told_while_they_run(folder):
     plan = planned(folder, "watched", starts=2)
-    assert _best_so_far(plan) == ""
+    assert best_so_far(plan) == ""
     for start, power in zip(plan.starts, (1030.0, 812.4), strict=True):
         log = Path(plan.root, "logs", "design_start", f"{plan.name}-{start}.log")
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text(f"best so far: {power} W with pto.damping 5000\n")
-    assert _best_so_far(plan) == "best so far: 1030.0 W with pto.damping 5000"
+    assert best_so_far(plan) == "best so far: 1030.0 W with pto.damping 5000"
 
 
 @pytest.fixture(scope="module")

@@ -53,5 +53,5 @@ def test_lines_say_what_begins_what_is_done_and_the_time_left(capsys):
 def test_time_left_follows_the_pace_of_the_run(capsys, monkeypatch, done, elapsed, words):
     """Of 40 s of work: none is done; half of it, on time; half of it, late."""
     monkeypatch.setattr("time.monotonic", lambda: elapsed)
-    Progress("seed", [10.0, 10.0, 20.0], begun=0.0).begin("results", done)
+    Progress("seed", [10.0, 10.0, 20.0], begun=0.0).begin("results", range(done))
     assert f"about {words} left; results" in capsys.readouterr().err

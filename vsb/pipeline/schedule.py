@@ -1,7 +1,7 @@
-"""What a plan has left to do, and whether one process does it sooner than jobs side by side."""
+"""What a plan has left to do, how long that takes, and by how many processes it is done."""
 
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from vsb.pipeline import costs
@@ -10,8 +10,13 @@ from vsb.pipeline.tasks import Task, due, products, tasks
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plans import Plan
 
-WORTH_JOBS = 1.5
-"""How many times sooner jobs side by side must end to be worth the CPU time that starting them takes."""
+SHORT = 600.0
+"""CPU time up to which a run does without Snakemake, whose every job costs two seconds more [s].
+
+A longer one has a log, a record and bounds of its own for each job.
+"""
+WORTH_A_FORK = 2.0
+"""Time that side by side must save [s]: processes forked share no memory of what others have read or compiled."""
 
 
 def left(plan: Plan, stale: Collection[str] = ()) -> list[Job]:
@@ -21,10 +26,33 @@ def left(plan: Plan, stale: Collection[str] = ()) -> list[Job]:
     return [job for job in found if job.tasks]
 
 
-def is_faster_here(plan: Plan, stale: Collection[str] = ()) -> bool:
-    """Return whether one process, task after task, ends about as soon as Snakemake's jobs on the cores there are."""
-    some, cores = left(plan, stale), len(os.sched_getaffinity(0))
-    return sum(_seconds_here(plan, job) for job in some) <= WORTH_JOBS * _seconds_side_by_side(some, cores)
+def is_short(plan: Plan, stale: Collection[str] = ()) -> bool:
+    """Return whether what is left of a plan is done without Snakemake."""
+    return sum(_seconds_here(plan, job) for job in left(plan, stale)) <= SHORT
+
+
+def workers(some: Sequence[Task]) -> int:
+    """Return how many processes do tasks: one a core, or one where side by side they end no sooner."""
+    total, longest = sum(task.seconds for task in some), max(longest_chains(some), default=0.0)
+    count = min(cores(), len(some))
+    return count if total - max(longest, total / count if count else 0.0) > WORTH_A_FORK else 1
+
+
+def cores() -> int:
+    """Return the number of cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def longest_chains(some: Sequence[Task]) -> list[float]:
+    """Return how long it takes from the begin of a task until all that waits for it is done, by its place [s]."""
+    found = [0.0] * len(some)
+    after: dict[str, float] = {}  # by file: the longest chain of what needs it
+    for place in reversed(range(len(some))):
+        task = some[place]
+        found[place] = task.seconds + max((after.get(path, 0.0) for path in task.makes), default=0.0)
+        for path in task.needs:
+            after[path] = max(after.get(path, 0.0), found[place])
+    return found
 
 
 def _seconds_here(plan: Plan, job: Job) -> float:
@@ -42,19 +70,9 @@ def _share_left(plan: Plan, task: Task) -> float:
     return sum(not Path(plan.folder, "members", f"{one.id}{SUFFIX}").exists() for one in batch) / len(batch)
 
 
-def _seconds_side_by_side(some: Collection[Job], cores: int) -> float:
-    """When jobs are over that Snakemake starts [s]: the longest chain of them, or all of them over the cores."""
-    over: dict[str, float] = {}  # by file
-    for job in some:
-        end = job.seconds + max((over.get(path, 0.0) for path in job.needs), default=0.0)
-        over |= dict.fromkeys(job.makes, end)
-    busy = sum(job.seconds for job in some) / cores
-    return costs.WORKFLOW_SECONDS + max(busy, *over.values(), 0.0)
-
-
 def seconds_of_jobs(plan: Plan) -> float:
-    """Return the CPU time of starting jobs [s]: none where one process does all."""
-    return 0.0 if is_faster_here(plan) else costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(left(plan))
+    """Return the CPU time of starting jobs [s]: none of a short plan."""
+    return 0.0 if is_short(plan) else costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(left(plan))
 
 
 def cost_line(plan: Plan, known: Mapping[str, float]) -> str:

@@ -1,14 +1,15 @@
 """One run at a time of a study, and of what makes a file that studies share: other studies run side by side."""
 
-import fcntl
 import os
 import socket
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from vsb.errors import VsbError
 from vsb.keys.quantities import id_in
+from vsb.tools.locks import take, wait
 
 LOCKS = ".locks"
 """Folder of the locks on what studies share, beside it."""
@@ -22,12 +23,8 @@ def exclusive_lock(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
         return
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("a") as handle:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise VsbError(
-                f"{folder}: another run is at work in this folder{_holder(folder)}; wait for it to end"
-            ) from None
+        if not take(handle.fileno()):
+            raise VsbError(f"{folder}: another run is at work in this folder{_holder(folder)}; wait for it to end")
         handle.truncate(0)
         handle.write(f"process {os.getpid()} on {socket.gethostname()}")
         handle.flush()
@@ -64,8 +61,6 @@ def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
 
 def _wait(handle: int, name: str) -> None:
     """Take a lock; say so if it is another's first."""
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        print(f"vsb: waiting for another run that makes {name}", flush=True)
-        fcntl.flock(handle, fcntl.LOCK_EX)
+    if not take(handle):
+        print(f"vsb: waiting for another run that makes {name}", file=sys.stderr, flush=True)
+        wait(handle)

@@ -1,14 +1,19 @@
 """A plan in this process: its tasks in the order of their inputs, finished files kept, without Snakemake."""
 
+import contextlib
+import re
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
+from vsb.pipeline.schedule import workers
 from vsb.pipeline.tasks import Task, blocks, due, products, tasks
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.progress import Progress
 from vsb.stages.stage import run_task
 from vsb.stages.verify import stale_products
+from vsb.stages.workers import CAN_FORK, run_side_by_side
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import Plan
 from vsb.study.study import Study
@@ -27,10 +32,46 @@ def run(plan: Plan, *, quiet: bool = True) -> None:
         make_each(plan, due(tasks(plan), products(plan), stale), stale, quiet=quiet)
 
 
-def make_each(plan: Plan, some: Sequence[Task], stale: Collection[str], *, quiet: bool) -> None:
-    """Do tasks in their order, saying what begins, how much is done and the time left, unless quiet."""
-    progress = Progress(plan.name, [task.seconds for task in some], quiet)
-    _run(plan, some, stale, lambda task: progress.begin(task.words, some.index(task)))
+def make_each(
+    plan: Plan, some: Sequence[Task], stale: Collection[str], *, quiet: bool, side_by_side: bool = False
+) -> None:
+    """Do tasks, saying what begins, how much is done and the time left, unless quiet.
+
+    One after another in this process, or side by side in forks of it: files and numbers are the same. What stages
+    print goes into the log.
+    """
+    count = workers(some) if side_by_side and CAN_FORK else 1
+    progress = Progress(plan.name, [task.seconds for task in some], quiet, count)
+
+    def begun(place: int, done: Collection[int]) -> None:
+        progress.begin(some[place].words, done)
+        if isinstance(plan, DesignPlan) and (found := best_so_far(plan)):
+            progress.say(found)
+
+    log = Path(log_path(plan))
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with log.open("w", encoding="utf-8", buffering=1) as lines, contextlib.redirect_stdout(lines):
+        if count > 1:
+            run_side_by_side(some, lambda task: _run(plan, [task], stale), count, begun)
+        else:
+            _run(plan, some, stale, lambda task: begun(place := some.index(task), range(place)))
+
+
+def log_path(plan: Plan) -> str:
+    """Return the file of what stages, or Snakemake, say in a run."""
+    return f"{plan.root}/logs/{plan.name}.log"
+
+
+BEST = re.compile(r"^best so far: (\S+) ")
+"""What a start says of the best buoy within its limits."""
+
+
+def best_so_far(plan: DesignPlan) -> str:
+    """Return the best buoy within its limits any start has found yet; empty before the first."""
+    logs = [Path(log_path(plan)), *Path(plan.root, "logs").glob(f"design_start*/{plan.name}*.log")]
+    lines = [line for path in logs if path.exists() for line in path.read_text(encoding="utf-8").splitlines()]
+    found = [(float(match[1]), line) for line in lines if (match := BEST.match(line))]
+    return max(found)[1] if found else ""
 
 
 def make(plan: Plan, targets: Collection[str], stale: Collection[str] = ()) -> None:

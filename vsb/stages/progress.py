@@ -3,7 +3,7 @@
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from collections.abc import Callable, Collection, Iterable, MutableSequence, Sequence
 from dataclasses import dataclass, field
 
 from vsb.pipeline.costs import plain_seconds
@@ -27,6 +27,7 @@ class Progress:
     name: str
     seconds: Sequence[float]  # CPU time of its parts as estimated, in their order [s]
     quiet: bool = False
+    workers: int = 1  # processes that do them
     begun: float = field(default_factory=time.monotonic)
 
     def say(self, words: str) -> None:
@@ -34,12 +35,13 @@ class Progress:
         if not self.quiet:
             print(f"{self.name}: {words}", file=sys.stderr, flush=True)
 
-    def begin(self, words: str, done: int) -> None:
-        """Say what begins, when so many parts are done, and how long all that is left takes."""
-        before, left = sum(self.seconds[:done]), sum(self.seconds[done:])
-        rate = (time.monotonic() - self.begun + FIRM) / (before + FIRM)
-        still = f", about {plain_seconds(rate * left)} left" if rate * left >= 1.0 else ""
-        self.say(f"{done} of {len(self.seconds)} done{still}; {words}")
+    def begin(self, words: str, done: Collection[int]) -> None:
+        """Say what begins, when parts in these places are done, and how long all that is left takes."""
+        before = sum(self.seconds[place] for place in done)
+        rate = (time.monotonic() - self.begun + FIRM / self.workers) / (before + FIRM)
+        left = rate * (sum(self.seconds) - before)
+        still = f", about {plain_seconds(left)} left" if left >= 1.0 else ""
+        self.say(f"{len(done)} of {len(self.seconds)} done{still}; {words}")
 
 
 def followed(
@@ -72,7 +74,7 @@ def followed(
         elif found := WILDCARD.match(line):
             which = f" {found[1].strip()}"
         elif name in stems and LAST.match(line):
-            progress.begin(f"{RULES[stems[name]]}{which}", done)
+            progress.begin(f"{RULES[stems[name]]}{which}", range(done))
             name = ""
         elif found := DONE.match(line.strip()):
             done = min(int(found[1]), len(progress.seconds))

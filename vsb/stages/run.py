@@ -1,4 +1,4 @@
-"""Command run: a whole study, alone in its results folder, in this process where that is as soon or by Snakemake."""
+"""Command run: a whole study, alone in its results folder, by this process if it is short, or by Snakemake."""
 
 import argparse
 import contextlib
@@ -24,12 +24,12 @@ import psutil
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.reading import nearest, read_yaml
 from vsb.pipeline.jobs import Job, rules
-from vsb.pipeline.schedule import is_faster_here, left
+from vsb.pipeline.schedule import is_short, left
 from vsb.pipeline.tasks import due, products, tasks
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
-from vsb.stages.make import make_each
+from vsb.stages.make import best_so_far, log_path, make_each
 from vsb.stages.planning import plan_of
 from vsb.stages.progress import Progress, failed, followed
 from vsb.study.campaign_plan import CampaignPlan
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
     asked = args.snakemake or args.verbose or args.profile or args.cores
     with exclusive_lock(Path(plan.folder), waits=not dry) as held:
         stale = verify.stale_products(plan, dry=dry)
-        if not asked and is_faster_here(plan, stale):
+        if not asked and is_short(plan, stale):
             _run_here(plan, stale, quiet=args.quiet)
         elif code := _run_by_snakemake(args, plan, stale, profile, given, held, dry=dry):
             return code
@@ -79,11 +79,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_here(plan: Plan, stale: Sequence[str], *, quiet: bool) -> None:
-    """Make all products in this process; if terminated, end after one line."""
+    """Make all products in this process and forks of it; if terminated, end after one line."""
     some = due(tasks(plan), products(plan), stale)
     before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
     try:
-        make_each(plan, some, stale, quiet=quiet)
+        make_each(plan, some, stale, quiet=quiet, side_by_side=True)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -143,7 +143,7 @@ def _run_by_snakemake(
         return _failed(plan, begun, lines)
     if line:
         with contextlib.suppress(OSError, VsbError):
-            write_text(_log(plan), "".join(lines))
+            write_text(log_path(plan), "".join(lines))
     return 0
 
 
@@ -326,23 +326,11 @@ def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
     return [*options, "--forcerun", *stale]
 
 
-BEST = re.compile(r"^best so far: (\S+) ")
-"""What a start says of the best buoy within its limits."""
-
-
-def _best_so_far(plan: DesignPlan) -> str:
-    """The best buoy within its limits any start has found yet; empty before the first."""
-    logs = Path(plan.root, "logs").glob(f"design_start*/{plan.name}*.log")
-    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
-    found = [(float(match[1]), line) for line in lines if (match := BEST.match(line))]
-    return max(found)[1] if found else ""
-
-
 def _followed(
     plan: Plan, some: Sequence[Job], kept: MutableSequence[str], lines: Iterable[str], *, quiet: bool
 ) -> None:
     """Say how far Snakemake is by its output, of which the last lines are kept."""
-    words = partial(_best_so_far, plan) if isinstance(plan, DesignPlan) else None
+    words = partial(best_so_far, plan) if isinstance(plan, DesignPlan) else None
     followed(lines, Progress(plan.name, [job.seconds for job in some], quiet), rules(plan), kept, words)
 
 
@@ -387,7 +375,8 @@ def finished(
 
 def _heard() -> list[signal.Signals]:
     """Signals that end a run, if whoever started it did not shield it from them."""
-    return [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    known = (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP"))  # Windows knows no hang-up
+    return [number for number in known if number and signal.getsignal(number) != signal.SIG_IGN]
 
 
 def _ask_to_end(number: int, _: object) -> NoReturn:
@@ -433,16 +422,11 @@ def _kept(plan: Plan, lines: Sequence[str]) -> str:
     words = [f"{rule} ended{_last_words(Path(log))}" for log, rule in failed(lines).items()]
     words = words or [found[1] for line in lines if (found := re.search(r"\[Errno \d+\] (.+)", line))][-1:]
     try:
-        write_text(_log(plan), "".join(lines))
-        words.append(f"the whole output is in {_log(plan)}")
+        write_text(log_path(plan), "".join(lines))
+        words.append(f"the whole output is in {log_path(plan)}")
     except (OSError, VsbError) as error:
         words.append(f"the output cannot be written: {error}")
     return f": {'; '.join(words)}"
-
-
-def _log(plan: Plan) -> str:
-    """File of what Snakemake says of a run."""
-    return f"{plan.root}/logs/{plan.name}.log"
 
 
 def _last_words(log: Path) -> str:

@@ -6,11 +6,9 @@ alone calls has `inline="always"`: else it is compiled by itself and once more w
 need the same loops at the same time: one process compiles them, the others wait for it.
 """
 
-import fcntl
 import hashlib
 import os
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +18,7 @@ import numba
 from numba.core.caching import FunctionCache
 
 from vsb.tools.arrays import FloatArray
+from vsb.tools.locks import wait
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 HERE = Path(__file__).parents[1]
@@ -69,19 +68,9 @@ class _Turn:
         """Wait until no other process compiles, or for `PATIENCE`; where files cannot be locked, not at all."""
         self.depth += 1
         if self.depth == 1:
-            until = time.monotonic() + PATIENCE
             with suppress(OSError):
                 self.lock = os.open(FOLDER / ".lock", os.O_CREAT | os.O_WRONLY)
-                while not self._taken() and time.monotonic() < until:
-                    time.sleep(0.05)
-
-    def _taken(self) -> bool:
-        """Take the lock, unless another process has it."""
-        try:
-            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
+                wait(self.lock, PATIENCE)
 
     def end(self) -> None:
         """Let the next process compile."""

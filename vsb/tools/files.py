@@ -1,6 +1,5 @@
 """Files in and out: netCDF with units on every variable, and text; written completely or not at all."""
 
-import fcntl
 import gzip
 import hashlib
 import json
@@ -100,14 +99,6 @@ def _remove_abandoned(folder: Path, begins: str) -> None:
             writer = name.removeprefix(begins).partition(".")[0]
             if writer.isdecimal() and not psutil.pid_exists(int(writer)):
                 (folder / name).unlink(missing_ok=True)
-
-
-@contextmanager
-def locked(path: str | Path) -> Iterator[None]:
-    """Hold an exclusive lock on a file."""
-    with Path(path).open("a") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 def write_text(path: str | Path, text: str) -> None:

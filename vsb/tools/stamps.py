@@ -20,9 +20,9 @@ from vsb.tools.files import (
     attributes,
     carries_stamp,
     check_file,
-    locked,
     write_text,
 )
+from vsb.tools.locks import locked
 from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"

@@ -1,0 +1,47 @@
+"""Locks on files: they go with the processes that hold them, so a killed one leaves none behind."""
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _BEYOND = 1 << 30  # where nothing is written: what is locked there nobody else can read
+
+    def take(handle: int) -> bool:
+        """Take the lock of an open file, unless another process has it; return whether it is taken."""
+        os.lseek(handle, _BEYOND, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except PermissionError:
+            return False
+        return True
+else:
+    import fcntl
+
+    def take(handle: int) -> bool:
+        """Take the lock of an open file, unless another process has it; return whether it is taken."""
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+
+def wait(handle: int, seconds: float = float("inf")) -> None:
+    """Take the lock of an open file, or go on without it once so many seconds are over."""
+    until = time.monotonic() + seconds
+    while not take(handle) and time.monotonic() < until:
+        time.sleep(0.02)
+
+
+@contextmanager
+def locked(path: str | Path) -> Iterator[None]:
+    """Hold the lock of a file, waiting for it."""
+    with Path(path).open("a") as handle:
+        wait(handle.fileno())
+        yield
