@@ -80,3 +80,17 @@ def test_the_mean_square_of_the_forces_is_the_slope_of_the_optimum():
     found = ports.controlled(Weights(weight))
     ends = [ports.controlled(Weights(weight * (1 + s))).objective for s in (step, -step)]
     assert (ends[1] - ends[0]) / (2 * step * weight) == pytest.approx(found.force, rel=1e-6)
+
+
+@pytest.mark.parametrize("forecast", [0.0, 1.5])
+def test_the_controller_absorbs_the_power_of_the_optimum(forecast):
+    ports, weights = coupled()[0], Weights(3e-5)
+    gain, found = ports.controller(weights, NOISE, forecast), ports.controlled(weights, NOISE, forecast)
+    y, waves = ports.admittance, ports.excitation
+    peak = np.einsum("wii->w", waves).real.max()
+    back = gain.conj().swapaxes(1, 2)
+    force = gain @ (waves + NOISE * peak * np.eye(2)) @ back
+    power = ports.spacing * np.einsum("wii->", y @ waves @ back - y @ force).real
+    assert power == pytest.approx(found.power, rel=1e-3)
+    beyond = found.force - ports.spacing * np.einsum("wii->", force).real  # what follows noise beyond the band
+    assert 0 <= beyond < 5e-3 * found.force

@@ -5,9 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from models.test_stationary import example  # noqa: F401
+from motion.test_causal_ports import coupled
 
+from vsb.engine.motion.causal_ports import StationaryPorts
+from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.port import port_direction
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.scatter import climate_of_cells
-from vsb.results.causal_year import causal_years
+from vsb.models.rest import reference_shell
+from vsb.results.causal_year import causal_years, scheduled_at_ports
+from vsb.results.matrix_year import MatrixYear
 from vsb.results.year import DesignYear, bins_of, frequencies
 
 
@@ -18,12 +26,16 @@ def climate():
     return climate_of_cells(*cells, np.array([0.5, 0.3, 0.2]), 3.3, "three seas")
 
 
-@pytest.mark.parametrize("limit", [1e3, np.inf])
-def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit):  # noqa: F811
-    study, floating = example
+def with_quality(floating):
+    """The example with what a database says of its errors, as in a campaign."""
     water = {"water_depth": np.inf, "water_density": 1025.0, "gravity": 9.81}
     checked = floating.linear.database.assign_attrs(quality="[]", **water)
-    floating = replace(floating, linear=replace(floating.linear, database=checked))
+    return replace(floating, linear=replace(floating.linear, database=checked))
+
+
+@pytest.mark.parametrize("limit", [1e3, np.inf])
+def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit):  # noqa: F811
+    study, floating = example[0], with_quality(example[1])
     limited = study.model_copy(update={"pto": type(study.pto)(force_limit=limit)})
     whole = causal_years(limited, floating, climate)
     dampers, found = ({name: np.asarray(values)[:, i] for name, (_, values) in whole.items()} for i in (0, 1))
@@ -45,3 +57,72 @@ def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit
         assert (bins.share * found["power_matrix"][i]).sum() == pytest.approx(power[i])
     assert 0.0 < found["gain_percent"][1] < 5.0 if limit == 1e3 else found["gain_percent"][0] == 0.0
     assert all(np.isfinite(values).all() for values in found.values())
+
+
+TOP = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
+
+
+def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(example, climate):  # noqa: F811
+    """A rigid buoy, which moves one of the ports alone, has the year that this port has by itself."""
+    study, floating = example[0], with_quality(example[1])
+    one = causal_years(study, floating, climate)
+    several = study.model_copy(update={"pto": Pto.model_validate(TOP)})
+    ports = replace(floating, port=port_direction(several.pto.port, reference_shell(several)))
+    found = causal_years(several, ports, climate)
+    seen = ports.several_ports(frequencies(climate, *ports.band))
+    power, low, high = (
+        np.asarray(found[name][1]) for name in ("annual_mean_power", "annual_mean_power_low", "annual_mean_power_high")
+    )
+    for i, (design, port) in enumerate(seen.items()):
+        year = MatrixYear(port, climate, "full")
+        matrix = float(year.absorbed("each", None).power @ climate.hours)
+        assert power[i, 0] == pytest.approx(matrix, rel=5e-3)  # of each bin, not of each sea
+        assert power[i, 0] < power[i, 1] < float(year.squares @ port.matched_power)
+        assert low[i, 1] < power[i, 1] < high[i, 1]
+        alone = np.asarray(one["annual_mean_power"][1])[i]
+        if study.designs[design].flexible:
+            assert (power[i] > alone).all()
+        else:
+            np.testing.assert_allclose(power[i], alone, rtol=1e-5)
+    matrices = np.asarray(found["damper_matrix"][1])
+    assert np.isfinite(matrices[:, 0]).all()
+    assert np.isnan(matrices[:, 1]).all()
+
+
+def test_schedule_of_ports_does_not_depend_on_what_they_are_turned_by():
+    """The forces of a schedule absorb its power, whatever combinations of them are called ports."""
+    ports, seen, squares = coupled()
+    density = squares[None, 1:-1] / (2 * ports.spacing)
+    seas = Climate.of_spectra(seen.omega[1:-1], density, np.ones(1), "one sea")
+
+    def schedule(turn):
+        own = Ports(seen.omega, turn.T @ seen.admittance @ turn, seen.velocity @ turn)
+        year = MatrixYear(own, seas, "full")
+        return own, scheduled_at_ports(Pto.model_validate(TOP), year, squares, ports.over(turn))
+
+    powers = []
+    for angle in (0.0, 0.7):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        own, found = schedule(turn)
+        for one in found.values():
+            velocity = own.velocity - (own.admittance @ one.force[..., None])[..., 0]
+            absorbed = 0.5 * squares @ np.real(np.einsum("wi,wi->w", one.force.conj(), velocity))
+            assert absorbed == pytest.approx(one.power, rel=2e-3)  # less what noise costs
+        powers.append([(one.power, one.force_rms) for one in found.values()])
+    np.testing.assert_allclose(powers[1], powers[0], rtol=1e-4)
+    assert powers[0][0][0] < powers[0][1][0]
+
+
+def test_two_equal_ports_that_are_not_coupled_absorb_twice_as_much():
+    ports, seen, squares = coupled()
+    seas = Climate.of_spectra(seen.omega[1:-1], squares[None, 1:-1] / (2 * ports.spacing), np.ones(1), "one sea")
+
+    def schedule(twice):
+        y, s = ports.admittance[:, :1, :1] * np.eye(len(twice)), ports.spectrum[:, :1, :1] * np.outer(twice, twice)
+        year = MatrixYear(Ports(seen.omega, y, seen.velocity[:, :1] * twice), seas, "diagonal")
+        return scheduled_at_ports(Pto.model_validate(TOP), year, squares, StationaryPorts(ports.spacing, y, s))
+
+    one, both = schedule(np.ones(1)), schedule(np.ones(2))
+    for name, found in both.items():
+        assert found.power == pytest.approx(2 * one[name].power, rel=1e-5)
+        assert found.force_rms == pytest.approx(np.sqrt(2) * one[name].force_rms, rel=1e-4)

@@ -120,7 +120,7 @@ def test_froude_scaling_keeps_water_and_density():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"tuning": ["constrained"]}, "tuning: optima of constrained are of one port"),
+        ({"tuning": ["constrained"]}, "tuning: received constrained, and a study with several ports"),
         ({"tuning": ["fixed"]}, "tuning: received fixed, but seed.yaml has no pto.damping"),
         ({"vary": {"pto.port": ["heave", "volume"]}}, "vary.pto.port: received several ports in the study"),
     ],

@@ -60,6 +60,11 @@ class InWaves(NamedTuple):
         load = self.port.load(damping, stiffness)
         return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
 
+    def motion_under(self, force: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return heave (omega,) and shell (2, point, omega) per wave amplitude under a force (omega,) [m/m]."""
+        heave, shell = (free - force * forced for free, forced in (self.motion.heave, self.motion.shell))
+        return heave, shell
+
 
 class SeveralInWaves(NamedTuple):
     """One design in waves of unit amplitude at several ports; see `InWaves`."""
@@ -70,7 +75,10 @@ class SeveralInWaves(NamedTuple):
 
     def motion(self, damping: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return heave (omega,) and shell (2, point, omega) per wave amplitude under a damper matrix [m/m]."""
-        force = self.port.velocity_under(damping) @ damping
+        return self.motion_under(self.port.velocity_under(damping) @ damping)
+
+    def motion_under(self, force: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return the same under forces per wave amplitude (omega, port)."""
         moved = self.moved[0] - (self.moved[1] @ force[..., None])[..., 0]
         return moved[:, 0], self.at.of_shell(moved)
 

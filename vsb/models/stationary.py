@@ -13,7 +13,7 @@ from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
-from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.kinds import RESOLVED, Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
 from vsb.engine.waves.seas import PARTS, Sea
@@ -128,6 +128,20 @@ def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
     load = seen.load(best.damping, best.stiffness)[0]
     force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
     return RmsLimits(float(np.sqrt(force)), pto.stroke_limit)
+
+
+def forces_alike(pto: Pto) -> bool:
+    """Return whether the forces of several ports have one unit."""
+    return len({port_kind(one).load_unit for one in named_ports(pto).values()}) == 1
+
+
+def force_units(pto: Pto, rms: FloatArray) -> FloatArray:
+    """Return the units in which the forces of several ports are counted together, shape (port,).
+
+    Those of unlike ports (newton, pascal) in terms of the rms values (port,) of the optimal damper matrix: the rms of
+    all forces together has no other meaning.
+    """
+    return np.ones_like(rms) if forces_alike(pto) else np.where(rms > 0, rms, 1.0)
 
 
 def controlled(

@@ -28,7 +28,7 @@ from vsb.engine.motion.damper_matrix import best_matrix, matrix_text
 from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
-from vsb.engine.motion.take_off import Pto, SeveralPorts, named_ports, port_kind
+from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.motion.tuning import (
     Load,
     best_dampers,
@@ -55,7 +55,7 @@ from vsb.models.floating_system import (
     study_sea,
 )
 from vsb.models.mode_convergence import one_of_each_family
-from vsb.models.stationary import stationary_ports, stationary_several
+from vsb.models.stationary import force_units, forces_alike, stationary_ports, stationary_several
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
@@ -563,8 +563,7 @@ def causal_levels_of_several(
     are counted in units of those that it has.
     """
     omega, found = frequencies([sea for _, sea in seas]), []
-    rows, ports = squares([sea for _, sea in seas], omega), floating.several_ports(omega)
-    alike = len({port_kind(one).load_unit for one in named_ports(pto).values()}) == 1
+    rows, ports, alike = squares([sea for _, sea in seas], omega), floating.several_ports(omega), forces_alike(pto)
     by = {(level.design, level.wave, level.rung): level for level in levels}
     for (wave, sea), row in zip(seas, rows, strict=True):
         if not isinstance(wave, IrregularSea):
@@ -575,7 +574,7 @@ def causal_levels_of_several(
                 continue
             matrix = matrices[design, wave.label, "best_damper"]
             force = np.sqrt(0.5 * row @ np.abs(ports[design].velocity_under(matrix) @ matrix) ** 2)
-            units = np.ones_like(force) if alike else np.where(force > 0, force, 1.0)
+            units = force_units(pto, force)
             limit = float(np.linalg.norm(force / units))
             together = "of all forces together" if alike else "of all forces together, each in units of the damper's"
             same = best._replace(rung=SAME_FORCE, force_rms=limit if alike else None)

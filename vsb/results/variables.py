@@ -10,10 +10,12 @@ _GAINS = ("gain_", "corrected_gain_", "body_exact_gain_", "in_time_gain_")
 
 
 def _may_be_missing(ds: xr.Dataset, name: str) -> xr.DataArray | bool:
-    """Where a year has no value: designs that are not viable, practice under constraints, gains over no power."""
+    """Where a year has no value: designs not viable, practice and matrices of other control, gains over no power."""
     missing: xr.DataArray | bool = ~ds.viable if "viable" in ds and "design" in ds[name].dims else False
     if name == "practice_power" and "tuning" in ds[name].dims:
         missing = missing | ds.tuning.isin(["damper_same_force", "causal", "constrained"])
+    if name == "damper_matrix":
+        missing = missing | (ds.tuning == "causal")
     if name.startswith(_GAINS):
         power = ds["corrected_mean_power" if "annual_mean_power" not in ds else "annual_mean_power"]
         missing = missing | (power <= 0).any("design")

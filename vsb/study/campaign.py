@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
-from vsb.engine.motion.take_off import port_kind
+from vsb.engine.motion.take_off import DistributedPort, port_kind
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Name, Number, Section
 from vsb.keys.reading import read_yaml, validated
@@ -177,7 +177,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             "tuning: [causal]"
         )
     if study.pto.several:
-        _check_matrix(campaign, source)
+        _check_matrix(campaign, study.pto.port, source)
     ports = {*campaign.vary.values.get(PORT, ())}
     if len({port_kind(port).load for port in ports}) > 1:
         alone = next(name for name in ("volume", "pitch") if name in ports)
@@ -259,14 +259,16 @@ def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float]
         )
 
 
-def _check_matrix(campaign: Campaign, source: str) -> None:
+def _check_matrix(campaign: Campaign, port: object, source: str) -> None:
     """Refuse what a damper matrix, at several ports or spread over the shell, does not have in a year."""
     if PORT in campaign.vary.keys:
         raise ConfigError(f"{source}: vary.{PORT}: received several ports in the study; needs a study with one")
-    if optimal := {*AT_FORCE, CONSTRAINED} & {*(campaign.tuning or ())}:
+    asked, spread = {*(campaign.tuning or ())}, isinstance(port, DistributedPort)
+    if optimal := asked & {CONSTRAINED, *(AT_FORCE if spread else ())}:
+        there, needed = ("a damper spread over the shell", "") if spread else ("several ports", ", causal")
         raise ConfigError(
-            f"{source}: tuning: optima of {min(optimal)} are of one port; received a study with several, or with a "
-            "damper spread over the shell; needs fixed, one or each"
+            f"{source}: tuning: received {min(optimal)}, and a study with {there}, which has no such optimum; needs "
+            f"fixed, one, each{needed}"
         )
 
 

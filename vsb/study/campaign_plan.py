@@ -18,6 +18,7 @@ from vsb.keys.quantities import canonical, content_id
 from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.campaign import (
+    AT_FORCE,
     GAIN_IN_TIME,
     IN_TIME,
     POWER_IN_TIME,
@@ -48,6 +49,8 @@ BATCH_SECONDS = 8.0
 """What a batch is to take at least, so that starting it, 2 s, does not count."""
 MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member whose coefficients are there, of coefficients of a shape."""
+CAUSAL_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
+"""CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
 OVER_BUDGET = 2.0
 """CPU time of optima within limits over their budget, by which their number was chosen; measured 2.1 to 3 on a busy
 machine."""
@@ -197,8 +200,11 @@ class CampaignPlan(ResultsFolder):
     @property
     def member_seconds(self) -> float:
         """Time a member takes once its coefficients are known [s]."""
-        constrained, designs = self.loaded.constrained, len(self.loaded.base.designs)
-        return MEMBER_SECONDS + (OVER_BUDGET * constrained.seconds * designs if constrained else 0.0)
+        constrained, base = self.loaded.constrained, self.loaded.base
+        each = OVER_BUDGET * constrained.seconds if constrained else 0.0
+        if {*AT_FORCE} & {*self.loaded.tuning}:
+            each += CAUSAL_AT_PORTS_SECONDS if base.pto.several else CAUSAL_SECONDS
+        return MEMBER_SECONDS + each * len(base.designs)
 
     @property
     def batch_minutes(self) -> int:

@@ -44,10 +44,17 @@ class StationaryPorts:
         turned = (forces.T @ each @ forces for each in (self.admittance, self.spectrum))
         return StationaryPorts(self.spacing, *turned)
 
-    def moved(self) -> "StationaryPorts":
-        """Return the same without forces that move nothing, as those of ports that stand still or depend on others."""
+    def moving(self) -> FloatArray:
+        """Return forces U (port, force), F = U f, without those that move nothing.
+
+        Those of ports that stand still or move as others do are left out.
+        """
         size, along = np.linalg.eigh(np.einsum("wij,wkj->ik", self.admittance, self.admittance.conj()).real)
-        return self.over(along[:, size > STILL * size.max()])
+        return np.asarray(along[:, size > STILL * size.max()])
+
+    def moved(self) -> "StationaryPorts":
+        """Return the same as seen by the forces of `moving`."""
+        return self.over(self.moving())
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -91,7 +98,7 @@ class StationaryPorts:
         return np.asarray(2 * self.spacing * (fft(phasors, 2 * len(phasors), axis=0) * self._turn).real)
 
     def _causal(self, phasors: ComplexArray) -> ComplexArray:
-        """The part of Hermitian matrices at t > 0, and half of that at t = 0, (omega, port, port)."""
+        """The part of matrices at t > 0, and half of that at t = 0, (omega, port, port)."""
         values = self._signal(phasors)
         values[0] /= 2
         values[len(phasors) :] = 0.0
@@ -126,8 +133,8 @@ class StationaryPorts:
     @staticmethod
     def _seen(factor: ComplexArray, square: AnyArray) -> ComplexArray:
         """B^-1 square B^-H."""
-        left = np.linalg.solve(factor, square)
-        return np.asarray(np.linalg.solve(factor, left.conj().swapaxes(1, 2)).conj().swapaxes(1, 2))
+        inverse = np.linalg.inv(factor)
+        return np.asarray(inverse @ square @ inverse.conj().swapaxes(1, 2))
 
     # optima -----------------------------------------------------------------------------------------------------------
 
@@ -141,14 +148,27 @@ class StationaryPorts:
         forecast : float [s]
             T.
         """
-        one = np.eye(self.admittance.shape[1])
-        cost = self._factor(self.admittance.real + weights.force * one + 0j)  # its transpose is W
-        whitened = np.linalg.solve(self._noisy(noise), self.measured.conj().swapaxes(1, 2)).conj().swapaxes(1, 2)
-        ahead = np.exp(1j * self.omega * forecast)[:, None, None]
-        g = ahead * np.linalg.solve(cost.conj(), whitened) / 2
-        by_force = self._causal(self._seen(cost, one[None])).conj() @ g
+        cost, g = self._wanted(weights, noise, forecast)
+        by_force = self._causal(self._seen(cost, np.eye(cost.shape[1])[None])).conj() @ g
         objective, force = self._tails(g, g), 2 * self._tails(g, by_force)
         return Controlled(objective + weights.force * force, force, 0.0, 0.0, weights)
+
+    def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
+        """Return K = Q H^-1 of the optimum, the forces over those of the waves, shape (omega, port, port) [-].
+
+        Parameters as of `controlled`.
+        """
+        cost, g = self._wanted(weights, noise, forecast)
+        behind = np.exp(-1j * self.omega * forecast)[:, None, None]
+        q = np.linalg.solve(cost.swapaxes(1, 2), behind * self._causal(g))
+        return np.asarray(np.linalg.solve(self._noisy(noise).swapaxes(1, 2), q.swapaxes(1, 2)).swapaxes(1, 2))
+
+    def _wanted(self, weights: Weights, noise: float, forecast: float) -> tuple[ComplexArray, ComplexArray]:
+        """The transpose of W, and G ahead by the forecast, each shape (omega, port, port)."""
+        cost = self._factor(self.admittance.real + weights.force * np.eye(self.admittance.shape[1]) + 0j)
+        whitened = np.linalg.solve(self._noisy(noise), self.measured.conj().swapaxes(1, 2)).conj().swapaxes(1, 2)
+        ahead = np.exp(1j * self.omega * forecast)[:, None, None]
+        return cost, np.asarray(ahead * np.linalg.solve(cost.conj(), whitened) / 2)
 
     def _noisy(self, noise: float) -> ComplexArray:
         """H, shape (omega, port, port); kept, for it is the same at all weights."""

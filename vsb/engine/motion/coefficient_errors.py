@@ -169,8 +169,8 @@ def sensitivity_of_forces(
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     moved : tuple of ndarray, each shape (omega, dof)
-        See `sensitivity`.
-    waves, forces : ndarray, each shape (sea, omega) [m], [N]
+        See `sensitivity`; of several ports `sensitivity_at_ports`.
+    waves, forces : ndarray, shapes (sea, omega) [m], (sea, omega) or (sea, omega, port) [N]
         Complex amplitudes; of each sea the force of the port on the take-off.
     power : float
         The mean power they absorb [W]; without any there are no derivatives.
@@ -186,10 +186,12 @@ def sensitivity_of_forces(
     free, forced = moved
     if not power > 0:
         return Sensitivity(omega, np.zeros_like(free), ())
-    response = waves[..., None] * free - forces[..., None] * forced
-    weight = -0.5j * omega * shares[:, None] * forces.conj() / power
-    towards = np.sum(weight * waves, axis=0)[:, None] * forced
-    return Sensitivity(omega, towards, ((forced, np.einsum("sw,swj->wj", weight, response)),))
+    forced, forces = forced.reshape(*free.shape, -1), forces.reshape(*waves.shape, -1)
+    response = waves[..., None] * free - np.einsum("wjp,swp->swj", forced, forces)
+    weight = -0.5j * omega[:, None] * shares[:, None, None] * forces.conj() / power
+    towards = np.einsum("swp,sw,wjp->wj", weight, waves, forced)
+    adjoint = np.einsum("swp,swj->pwj", weight, response)
+    return Sensitivity(omega, towards, tuple(zip(np.moveaxis(forced, 2, 0), adjoint, strict=True)))
 
 
 UNSTATED = 0.01
