@@ -377,6 +377,54 @@ def test_the_order_of_a_file_changes_nothing(folder):
     assert one.identity == other.identity
 
 
+def shell_with(folder, name, **changes):
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump({**STUDY, "study": name, **changes}))
+    return f"{name}.yaml"
+
+
+def test_several_ports_have_the_matrix_that_absorbs_most_and_keep_it_as_built(folder):
+    study = shell_with(folder, "ports", pto={"ports": {"h": "heave", "v": "volume"}})
+    free = {"device.mass": [9e3, 2.2e4]}
+    plan = planned(folder, "at_ports", free, study=study, uncertain={"device.thickness": 0.05})
+    for task in tasks(plan):
+        run_task(task)
+    found, seas = vsb.open(plan.folder), read_climate(plan.climate, plan.loaded.climate_path)
+    best, keys = found.optimum, ["device.mass", "device.thickness"]
+    given = np.array(best.pto.port.damping)
+    model = DesignModel.of(best, "VSWEC", seas, keys)
+    again = model.at(model.point)
+    assert given == pytest.approx(again.dampers, rel=1e-4)
+    assert again[POWER].value == pytest.approx(found.power[FLEXIBLE], rel=1e-9)
+    assert abs(again[POWER].gradient[0]) * model.point[0] < 1e-6 * found.power[FLEXIBLE]
+    thickness = [one for one in found.facts["powers"][FLEXIBLE]["budget"] if one["name"] == "device.thickness"]
+    slope = abs(again[POWER].gradient[1]) * model.point[1]
+    assert thickness[0]["high"] == pytest.approx(1.96 * 0.05 * slope, rel=1e-5)
+    assert found.competitor.pto.port.damping[1] == (0.0, 0.0)
+    assert "h, v: [[" in Path(plan.folder, "report.html").read_text()
+
+
+def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
+    area = {"port": {"strain": "area"}, "held": {"place": "heave"}}
+    study = shell_with(folder, "area", pto=area, designs={"VSWEC": {}})
+    with pytest.raises(ConfigError, match=r"competitor: {port: heave}"):
+        planned(folder, "unopposed", study=study)
+    against = {"study": study, "competitor": {"port": "heave"}}
+    for changes, words in (
+        ({"limits": {"force_rms": 1e4}}, r"limits\.force_rms.*another load"),
+        ({"maximise": "gain"}, r"maximise.*another take-off"),
+        ({"tuning": "causal", "limits": {"force_rms": 1e4}}, r"tuning.*one port"),
+        ({"competitor": {"port": "heave", "variables": ["pto.damping"]}}, r"competitor\.variables.*another load"),
+    ):
+        with pytest.raises(ConfigError) as raised:
+            planned(folder, "opposed", MANY, **against | changes)
+        assert re.search(words, " ".join(raised.value.mistakes))
+    plan = planned(folder, "opposed", {"device.mass": [9e3, 2.2e4]}, **against)
+    heave = planned(folder, "heave_alone", {"device.mass": [9e3, 2.2e4]})
+    assert [one.search.base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
+    rigid = [found_by(one)[COMPETITOR][0] for one in (plan, heave)]
+    assert rigid[0].quantities[POWER] == pytest.approx(rigid[1].quantities[POWER], rel=1e-12)
+
+
 def test_the_design_optimised_of_several_is_named(folder):
     """The first by name: renamed, another would be."""
     several = {"rigid": {"flexible": False}, "b": {}, "a": {"clamp": 90}}
@@ -520,6 +568,7 @@ def test_a_buoy_that_is_not_viable_is_no_answer():
         "found": {FLEXIBLE: {"multipliers": {}, "flat": []}},
         "holds": {FLEXIBLE: {}},
         "sigmas": 0.0,
+        "take_offs": {key: {"port": "heave"} for key in (FLEXIBLE, COMPETITOR)},
     }
     said = answer(facts)
     assert said.stands[0].startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")

@@ -19,7 +19,8 @@ from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import RESOLVED, DesignModel
 from vsb.design.margins import depends
 from vsb.design.problem import POWER
-from vsb.design.year import band
+from vsb.design.several import SeveralYear
+from vsb.design.year import PortYear, band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.dispersion import power_limit
@@ -127,8 +128,14 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
     model : DesignModel
         Of the buoy over the climate: its nodes and frequencies are used.
     """
-    port, lost = buoy.port_year(model), 0.0
-    if buoy.control:
+    motion, lost = buoy.motion(model), 0.0
+    port = None if buoy.study.pto.several else PortYear.of(motion)
+    if port is None:
+        omega, damper = model.grid.omega, buoy.quantities.get("damping", 0.0)
+        absorbed = SeveralYear(motion).absorbed(
+            damper * np.eye(len(motion.rows)) if buoy.dampers is None else np.array(buoy.dampers)
+        )
+    elif buoy.control:
         controlled = ControlledYear(port, buoy.control, buoy.study.pto.control)
         omega, (absorbed, lost) = controlled.port.omega, controlled.absorbed
     else:

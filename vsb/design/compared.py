@@ -20,7 +20,9 @@ from vsb.design.resting import RestingBuoy
 from vsb.design.searched import Outcome, control_of, searching, study_of, with_rest
 from vsb.design.year import PortYear, YearMotion
 from vsb.engine.motion.causal import RmsLimits
+from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.climate import Climate
+from vsb.study.design import OF_RIGID, Variable, comparable, of_designs
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
@@ -44,6 +46,7 @@ class Buoy:
     quantities: Mapping[str, float]
     truncation: tuple[float, float] | None = (0.0, 0.0)  # of its power, as `Outcome.truncation`; none of a rigid sphere
     control: RmsLimits | None = None  # limits of its causal control; none: a damper
+    dampers: tuple[tuple[float, ...], ...] | None = None  # damper matrix of several ports
 
     @property
     def power(self) -> float:
@@ -69,13 +72,18 @@ class Buoy:
 
     def model(self, climate: Climate, variables: Sequence[str] = ()) -> DesignModel:
         """Return its model in some variables and its damper."""
-        keys = variables if self.control else [*variables, DAMPER]
-        return DesignModel.of(self.study, self.design, climate, keys, self.degree, self.control)
+        keys = variables if self.control or self.dampers else [*variables, DAMPER]
+        model = DesignModel.of(self.study, self.design, climate, keys, self.degree, self.control)
+        return replace(model, dampers=np.array(self.dampers)) if self.dampers else model
+
+    def motion(self, model: DesignModel) -> YearMotion:
+        """Return its motion over the year without its damper, with the nodes and frequencies of its model."""
+        matrices = linearised(self.resting, self.design, [], model.grid.solved, model.nodes)
+        return YearMotion(model.grid, *matrices, self.study.pto.stiffness)
 
     def port_year(self, model: DesignModel) -> PortYear:
-        """Return its port over the year, with the nodes and frequencies of its model."""
-        matrices = linearised(self.resting, self.design, [], model.grid.solved, model.nodes)
-        return PortYear.of(YearMotion(model.grid, *matrices, self.study.pto.stiffness))
+        """Return its port over the year."""
+        return PortYear.of(self.motion(model))
 
     def with_damper(self) -> "Buoy":
         """Return the same with the damper it has been found with given; with causal control, with its limit of force.
@@ -85,6 +93,8 @@ class Buoy:
         given: dict[str, object] = {"damping": self.quantities.get("damping"), "tuning": "fixed"}
         if self.control:
             given = {"damping": None, "tuning": "each", "force_limit": self.control.force}
+        elif self.dampers and isinstance(self.study.pto.port, SeveralPorts):
+            given = {"port": self.study.pto.port.model_copy(update={"damping": self.dampers}), "tuning": "fixed"}
         return replace(self, study=self.study.model_copy(update={"pto": self.study.pto.model_copy(update=given)}))
 
 
@@ -92,19 +102,33 @@ def buoy_of(name: str, search: Search, found: Outcome) -> Buoy:
     """Return the buoy a search has found."""
     truncation = (0.0, 0.0) if found.degree is None else found.truncation
     study = study_of(search, found.degree, found.point)
-    return Buoy(name, study, search.design, found.degree, found.quantities, truncation, control_of(search))
+    control = control_of(search)
+    return Buoy(name, study, search.design, found.degree, found.quantities, truncation, control, found.dampers)
 
 
 def twin(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
     """Return the rigid buoy of the flexible one's rest shape and mass; None if it cannot be."""
-    search = spec.flexible.model_copy(update={"design": spec.rigid.design, "maximise": POWER})
+    own, rigid = spec.flexible.base, spec.rigid.base
+    designs = {**rigid["designs"], **own["designs"]}
+    base = {**own, "pto": of_designs(rigid["pto"], designs), "designs": designs}
+    changes = {"base": base, "limits": spec.rigid.limits, "variables": _of_both(spec)}
+    search = spec.flexible.model_copy(update={"design": spec.rigid.design, "maximise": POWER, **changes})
     return _with_take_off(TWIN, search, climate, found)
 
 
 def sphere(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
     """Return the rigid sphere of the flexible one's undeformed radius and its mass; None if it sinks."""
-    search = spec.rigid.model_copy(update={"variables": spec.flexible.variables, "maximise": POWER})
+    search = spec.rigid.model_copy(update={"variables": _of_both(spec), "maximise": POWER})
     return _with_take_off(SPHERE, search, climate, replace(found, degree=None))
+
+
+def _of_both(spec: DesignSpec) -> tuple[Variable, ...]:
+    """Variables of the flexible buoy without those of a take-off that rigid buoys have not."""
+    own, rigid = (Pto(**search.base["pto"]) for search in (spec.flexible, spec.rigid))
+    if own.port == rigid.port:
+        return spec.flexible.variables
+    kept = OF_RIGID if comparable(own) else ()
+    return tuple(one for one in spec.flexible.variables if not one.key.startswith("pto.") or one.key in kept)
 
 
 def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) -> Buoy | None:
@@ -125,7 +149,9 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
     except IMPOSSIBLE:
         return None
     shape_error = _by_rest_shape(model, end.point.values, quantities[POWER])
-    return Buoy(name, study, search.design, found.degree, quantities, shape_error, model.control)
+    dampers = end.point.evaluation.dampers
+    matrix = None if dampers is None else tuple(map(tuple, dampers.tolist()))
+    return Buoy(name, study, search.design, found.degree, quantities, shape_error, model.control, matrix)
 
 
 def _by_rest_shape(model: DesignModel, values: FloatArray, power: float) -> tuple[float, float] | None:

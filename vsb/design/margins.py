@@ -55,11 +55,11 @@ def spread(
     Parameters
     ----------
     model : DesignModel
-        Whose nodes and frequencies are used.
+        Whose nodes and frequencies are used, and damper matrix of several ports.
     study : Study
         The buoy.
     damping : float, optional
-        Its damper [N s/m]; none under causal control.
+        Its damper [N s/m]; none under causal control, and at several ports.
     limits, shares : mapping
         Limits, and relative standard deviations of inputs.
     """

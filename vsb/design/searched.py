@@ -159,7 +159,7 @@ def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
     """
     assert isinstance(problem.model, DesignModel)
     scatter = spread(
-        problem.model,
+        replace(problem.model, dampers=point.evaluation.dampers),
         problem.model.study_at([float(value) for value in point.values]),
         point.evaluation.damping,
         problem.limits,
@@ -197,6 +197,7 @@ class Outcome:
     degree: int | None
     truncation: tuple[float, float] | None  # of the power by all further degrees, relative: at most 0, at least 0
     margins: Mapping[str, float]  # most by which these raise excesses over limits, relative to them
+    dampers: tuple[tuple[float, ...], ...] | None = None  # damper matrix of several ports
 
     @classmethod
     def of(cls, found: Converged, keys: Sequence[str]) -> "Outcome":
@@ -217,7 +218,7 @@ class Outcome:
         margins: Mapping[str, float],
     ) -> "Outcome":
         """Return what is kept of an optimum."""
-        known = end.point.evaluation.quantities
+        known, dampers = end.point.evaluation.quantities, end.point.evaluation.dampers
         return cls(
             keys=tuple(keys),
             start=start,
@@ -236,6 +237,7 @@ class Outcome:
             degree=degree,
             truncation=truncation,
             margins=margins,
+            dampers=None if dampers is None else tuple(map(tuple, dampers.tolist())),
         )
 
     @property
@@ -263,6 +265,7 @@ class Outcome:
             "degree": self.degree,
             "truncation": self.truncation,
             "margins": {name: None if np.isnan(value) else value for name, value in self.margins.items()},
+            **({"dampers": self.dampers} if self.dampers else {}),
         }
         return xr.Dataset(
             {
@@ -285,7 +288,7 @@ class Outcome:
             return str(ds.attrs["failure"])
         facts = json.loads(ds.attrs["outcome"])
         names = [str(name) for name in ds["quantity"].values]
-        truncation = facts.pop("truncation")
+        truncation, dampers = facts.pop("truncation"), facts.pop("dampers", None)
         margins = {name: np.nan if value is None else value for name, value in facts.pop("margins").items()}
         return cls(
             keys=tuple(map(str, ds["variable"].values)),
@@ -298,6 +301,7 @@ class Outcome:
             violation=float(ds["violation"]),
             truncation=None if truncation is None else tuple(truncation),
             margins=margins,
+            dampers=dampers and tuple(map(tuple, dampers)),
             **{**facts, "curvatures": tuple(facts["curvatures"]), "flat": tuple(facts["flat"])},
         )
 

@@ -657,6 +657,13 @@ KEYS: dict[str, dict[str, Key]] = {
             "[device.radius, device.mass]",
             "variables the rigid buoy is optimised in; if not given, every variable it has",
         ),
+        "port": Key(
+            "",
+            "heave",
+            "its take-off acts on heave whatever `pto.port` of the study; needed where a rigid buoy does not move that "
+            "port. Its damper is then the optimal one, unless both take-offs act with a force: then it has the same "
+            "variables and limits; if not given, the port of the study",
+        ),
     },
     "Spectra": {
         "spectra": Key("", "sea.txt.gz", "spectra: NDBC's text, plain or gz, SWAN's text, or netCDF"),

@@ -47,8 +47,8 @@ def answer(facts: Facts) -> Answer:
     """Return the answer of a design problem."""
     best, rigid = (powers(facts)[name] for name in (FLEXIBLE, COMPETITOR))
     best_of_all = (
-        f"The best flexible buoy absorbs {best}, mean over the year of {facts['climate']}; the best rigid "
-        f"buoy {rigid} within the same limits: {in_words(facts)}."
+        f"The best flexible buoy{_at(facts, FLEXIBLE)} absorbs {best}, mean over the year of {facts['climate']}; the "
+        f"best rigid buoy{_at(facts, COMPETITOR)} {rigid} within the same limits: {in_words(facts)}."
     )
     if headline := no_answer(facts):
         return Answer([headline], ["Computed, but not valid: " + best_of_all, *limited(facts)])
@@ -57,6 +57,29 @@ def answer(facts: Facts) -> Answer:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
     below = [verdict(facts), *under_control(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
     return Answer(stands, below)
+
+
+def _at(facts: Facts, name: str) -> str:
+    """Where the take-off of a buoy acts, if rigid buoys have another; in words."""
+    ports = [facts["take_offs"][one]["port"] for one in (FLEXIBLE, COMPETITOR)]
+    if ports[0] == ports[1]:
+        return ""
+    return f" ({port_words(facts['take_offs'][name]['port'])})"
+
+
+def port_words(port: Any) -> str:
+    """Return where a take-off acts in words, from `pto.port`."""
+    if isinstance(port, str):
+        return f"take-off in {port}" if port in ("heave", "surge", "pitch") else f"take-off of the {port}"
+    if "distributed" in port:
+        return "damper spread over the shell"
+    if "ports" in port:
+        return f"take-off at {', '.join(port['ports'])}"
+    if "dofs" in port:
+        return "take-off in heave"  # the one motion that designs know
+    if "strain" in port:
+        return f"take-off of the {'area' if port['strain'] == 'area' else port['strain'] + ' strain'} of the shell"
+    return "take-off at the shell"
 
 
 def in_control(control: Control) -> str:

@@ -3,13 +3,17 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.problem import POWER
+from vsb.engine.motion.damper_matrix import matrix_text
 from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, in_full, with_unit, worth
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
-from vsb.study.design import unit_of
+from vsb.study.design import CONTROLLED, unit_of
+from vsb.tools.ports import FORCE, KINDS
 from vsb.tools.words import gains_within, watts_and_ends, watts_within
 
 BUOYS = (
@@ -103,9 +107,19 @@ def buoys_table(facts: Facts) -> dict[str, Any]:
             for title, place in ((in_full(key), 0), ("from", 1), ("to", 2)):
                 rows.append([title, *(f"{text[place]} {unit}" for text in texts)])
             continue
-        if key != "damage" or any(value is not None for value in known):
-            rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
+        if key not in ("damage", "damping", *CONTROLLED) or any(value is not None for value in known):
+            units = [unit_of(key, KINDS.get(facts["take_offs"][name]["kind"], FORCE)) for name in names]
+            rows.append([in_full(key), *map(with_unit, known, units)])
+        if key == "damping" and any("matrix" in facts["take_offs"][name] for name in names):
+            rows.append(["damper matrix [SI]", *(_matrix(facts["take_offs"][name]) for name in names)])
     return {"head": ["", *names], "body": rows}
+
+
+def _matrix(take_off: Mapping[str, Any]) -> str:
+    """The damper matrix of several ports, with their names; a dash for none."""
+    if "matrix" not in take_off:
+        return "-"
+    return f"{', '.join(take_off['ports'])}: {matrix_text(np.array(take_off['matrix']), 3)}"
 
 
 def variables_table(facts: Facts) -> dict[str, Any]:

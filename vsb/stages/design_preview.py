@@ -9,6 +9,7 @@ from vsb.design.optimise import first_possible
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.searched import degrees_of, places, problem_of
 from vsb.design.violation import led_at_rest, within_limits
+from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.costs import START_OF_A_PROCESS
@@ -20,6 +21,7 @@ from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.design_plan import DesignPlan
 from vsb.study.specs import Search
 from vsb.study.vary import unit
+from vsb.tools.ports import PortKind
 
 RESULTS_SECONDS = 5.0
 """CPU time of tables, figures and report [s]."""
@@ -126,7 +128,7 @@ def summary(plan: DesignPlan) -> list[str]:
     prepared = _problems(plan, seas)
     for one in prepared:
         _check_within(plan, one)
-    problem, search = plan.loaded.problem, plan.flexible
+    problem, search, study = plan.loaded.problem, plan.flexible, plan.loaded.base
     tried = [_tried(one, problem.seed) for one in prepared]
     limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())
     left = sum(not Path(path).exists() for path in plan.start_paths)
@@ -134,11 +136,11 @@ def summary(plan: DesignPlan) -> list[str]:
     return [
         f"design       {plan.name}: {problem.maximise} of {plan.loaded.flexible} in {problem.study} over "
         f"{len(seas.hours)} seas",
-        *(f"variable     {_bounds(one)}" for one in search.variables),
+        *(f"variable     {_bounds(one, port_kind(study.pto.port))}" for one in search.variables),
         f"limits       {limits or 'none'}"
         + (f", kept by {search.sigmas:g} standard deviations" if search.sigmas else ""),
         *([f"take-off     {in_control(plan.loaded.base.pto.control)}"] if search.tuning == CAUSAL else []),
-        f"competitor   {plan.loaded.rigid}, optimised in {kept or 'nothing'}",
+        f"competitor   {plan.loaded.rigid}{_in_heave(plan)}, optimised in {kept or 'nothing'}",
         f"jobs         {left} of {len(plan.start_paths)} starts to do, {points} points of Pareto fronts"
         + (f", {problem.verify.seas} seas in time" if problem.verify else ""),
         f"cost         {_cost(plan, prepared, tried)}" + (", runs in time apart" if problem.verify else ""),
@@ -196,8 +198,13 @@ def _cost(plan: DesignPlan, prepared: Sequence[Prepared], tried: Sequence[Tried]
     return f"about {evaluations} evaluations, {seconds:.0f} s on one core"
 
 
-def _bounds(one: Variable) -> str:
-    """A variable with its bounds."""
-    dimension = unit(one.key)
+def _in_heave(plan: DesignPlan) -> str:
+    """Where the take-off of the competitor acts if not where that of the study does."""
+    return f", take-off in {port}" if (port := plan.loaded.problem.competitor.port) else ""
+
+
+def _bounds(one: Variable, kind: PortKind) -> str:
+    """A variable with its bounds, at a kind of port."""
+    dimension = unit(one.key, kind)
     by = ", by its logarithm" if one.log else ""
     return f"{one.key} {one.low:g} to {one.high:g}{'' if dimension == '1' else ' ' + dimension}{by}"

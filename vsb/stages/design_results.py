@@ -29,8 +29,9 @@ from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.margins import depends, probabilities, spread
 from vsb.design.problem import IMPOSSIBLE, POWER, excesses, limit_parts
 from vsb.design.searched import Outcome, best
+from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
-from vsb.keys.quantities import canonical, content_id
+from vsb.keys.quantities import Section, canonical, content_id
 from vsb.models.viability import viability
 from vsb.report.design_answer import answer, no_answer
 from vsb.results.campaign import POWER as IN_TIME
@@ -226,6 +227,7 @@ def _facts(
         "power": {name: one.power for name, one in buoys.items()},
         "powers": {name: known.power(one) for name, one in buoys.items()},
         "quantities": {name: dict(one.quantities) for name, one in buoys.items()},
+        "take_offs": {name: _take_off(one) for name, one in buoys.items()},
         "over": {name: known.gain(buoys[FLEXIBLE], one) for name, one in buoys.items() if name in (TWIN, SPHERE)},
         "gain": {key: of_gain[key] for key in ("value", "low", "high")},
         "budget": of_gain["budget"],
@@ -236,6 +238,14 @@ def _facts(
     }
 
 
+def _take_off(one: Buoy) -> dict[str, Any]:
+    """Where the take-off of a buoy acts, by which load, and its damper matrix by the names of several ports."""
+    pto = one.study.pto
+    port = pto.port.model_dump(exclude={"damping"}) if isinstance(pto.port, Section) else pto.port
+    found = {"port": port, "kind": port_kind(pto.port).load}
+    return found | ({"matrix": one.dampers, "ports": list(named_ports(pto))} if one.dampers else {})
+
+
 def _searches(spec: DesignSpec) -> dict[str, Search]:
     """Searches by the buoy they find."""
     return {FLEXIBLE: spec.flexible, COMPETITOR: spec.rigid}
@@ -243,11 +253,12 @@ def _searches(spec: DesignSpec) -> dict[str, Search]:
 
 def _found(search: Search, one: Outcome) -> dict[str, Any]:
     """The best buoy of a search."""
+    kind = port_kind(search.base["pto"].get("port", "heave"))
     return {
         "variables": [
             {
                 "key": variable.key,
-                "unit": unit(variable.key),
+                "unit": unit(variable.key, kind),
                 "value": one.point[variable.key],
                 "low": variable.low,
                 "high": variable.high,
@@ -353,12 +364,13 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
     for name, search in _searches(spec).items():
         one = found[name]
         power, slopes = one.quantities[POWER], one.gradients[POWER]
+        kind = port_kind(search.base["pto"].get("port", "heave"))
         for variable, value, slope in zip(search.variables, one.values, slopes, strict=True):
             per = "logarithm" if variable.low > 0 else "range"
             times = float(value) if per == "logarithm" else variable.high - variable.low
             relative = float(slope * times / power)
             shown_slope = relative if abs(relative) > FLAT else 0.0
-            rows.append([name, variable.key, unit(variable.key), float(value), per, shown_slope])
+            rows.append([name, variable.key, unit(variable.key, kind), float(value), per, shown_slope])
         for limit, value in one.multipliers.items():
             base = limit_of(limit)
             per = "limit" if base in LIMITS or base in OF_EVERY_BUOY or base == "spring_share" else "bound"
@@ -464,7 +476,7 @@ def written_study(spec: DesignSpec, one: Buoy, name: str) -> Study:
 
 def _dataset(buoys: Mapping[str, Buoy]) -> xr.Dataset:
     """Hulls at rest and quantities of the buoys compared."""
-    names = list(buoys[COMPETITOR].quantities)
+    names = [key for key in buoys[COMPETITOR].quantities if all(key in one.quantities for one in buoys.values())]
     outlines = np.array([one.outline for one in buoys.values()])
     return xr.Dataset(
         {

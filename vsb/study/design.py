@@ -6,12 +6,13 @@ Imports nothing heavy: the Snakefile reads a design file at every parse.
 import dataclasses
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
+from vsb.engine.motion.take_off import Pto, SeveralPorts, port_kind
 from vsb.engine.shell.device import Device
 from vsb.errors import ConfigError
 from vsb.keys.meanings import KEYS, Key
@@ -142,6 +143,11 @@ class Variable(Section):
         return min(max(value, self.low), self.high)
 
 
+def comparable(pto: Pto) -> bool:
+    """Whether a take-off acts with one force, as one in heave does: limits and numbers may be common to both."""
+    return not pto.several and port_kind(pto.port) is FORCE
+
+
 def _read_variables(raw: object) -> object:
     """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings.
 
@@ -218,9 +224,10 @@ class Limits(Section):
 
 
 class Competitor(Section):
-    """The rigid sphere the best flexible buoy is compared with: which of the variables it is optimised in."""
+    """The rigid sphere the best flexible buoy is compared with: its variables, and a port of its own if it has one."""
 
     variables: Annotated[tuple[str, ...], Field(min_length=1)] | None = None  # none: every one it has
+    port: Literal["heave"] | None = None  # none: that of the study
 
 
 class Cost(Section):
@@ -318,23 +325,44 @@ class LoadedDesign(Section):
     @property
     def competing(self) -> tuple[Variable, ...]:
         """Variables of the competitor."""
-        chosen = self.problem.competitor.variables
-        names = OF_RIGID if chosen is None else chosen
+        names = competing(self.problem, self.base)
         return tuple(one for one in self.problem.variables if one.key in names)
 
     @property
     def sections(self) -> dict[str, Any]:
         """What the problem depends on of the study, with the design that is optimised and a rigid one."""
         found = sections(self.base)
-        designs = {name: found["designs"][name] for name in (self.flexible,)}
-        return {**found, "designs": {self.rigid: {"flexible": False}, **designs}}
+        designs = {self.flexible: found["designs"][self.flexible]}
+        if not self.base.pto.held:  # which a rigid one cannot move beside
+            designs = {self.rigid: {"flexible": False}, **designs}
+        return {**found, "pto": of_designs(found["pto"], designs), "designs": designs}
 
     @property
     def rigid_sections(self) -> dict[str, Any]:
         """The same of the competitor: a rigid sphere, undeformed, whose wall does not bound its mass."""
         found = {key: value for key, value in self.sections.items() if key not in ("modes", "reference_shape")}
         device = {**found["device"], **_no_wall(self.base.device, self.problem.variables)}
-        return {**found, "device": device, "designs": {self.rigid: {"flexible": False}}}
+        designs = {self.rigid: {"flexible": False}}
+        return {**found, "device": device, "pto": of_designs(self.rigid_take_off, designs), "designs": designs}
+
+    @property
+    def rigid_take_off(self) -> dict[str, Any]:
+        """The take-off of rigid buoys: that of the study, or one in heave."""
+        found: dict[str, Any] = sections(self.base)["pto"]
+        if self.problem.competitor.port is None:
+            return found
+        kept = ("damping", "stiffness", "tuning", "control") if comparable(self.base.pto) else ("control",)
+        return {"tuning": "each"} | {key: value for key, value in found.items() if key in kept}
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Limits of the flexible buoy."""
+        return _pulled(self.problem.limits, self.base.pto)
+
+    @property
+    def rigid_limits(self) -> dict[str, float]:
+        """Limits of the competitor."""
+        return _pulled(self.problem.limits.without_shell(), Pto(**self.rigid_take_off))
 
     @property
     def ranges(self) -> dict[str, Ranges]:
@@ -423,6 +451,29 @@ class LoadedDesign(Section):
         return found
 
 
+def _pulled(limits: Limits, pto: Pto) -> dict[str, float]:
+    """Limits of a buoy: without that of a spring, where heave does not move one port."""
+    pulled = pto.moved_by_heave and not pto.several
+    return {name: value for name, value in limits.given.items() if pulled or name != "spring_pull"}
+
+
+def of_designs(pto: Mapping[str, Any], designs: Iterable[str]) -> dict[str, Any]:
+    """Return a take-off whose dampers, if given one by one, are those of some designs."""
+    damping = pto.get("damping")
+    if not isinstance(damping, Mapping):
+        return dict(pto)
+    first = next(iter(damping.values()))
+    return {**pto, "damping": {name: damping.get(name, first) for name in designs}}
+
+
+def competing(problem: Optimisation, study: Study) -> tuple[str, ...]:
+    """Return the keys that a rigid competitor is optimised in; those of a take-off only if both have the same."""
+    if problem.competitor.variables is not None:
+        return problem.competitor.variables
+    own = problem.competitor.port is None or comparable(study.pto)
+    return tuple(key for key in OF_RIGID if own or not key.startswith("pto."))
+
+
 def load_design(path: str | Path) -> LoadedDesign:
     """Read and validate a design file and the study it names.
 
@@ -446,7 +497,7 @@ def read(raw: object, source: str) -> LoadedDesign:
     study = load_study(folder / problem.study)
     _check_study(problem, study, mistakes)
     _check_variables(problem, study, given, mistakes)
-    _check_competitor(problem, mistakes)
+    _check_competitor(problem, study, mistakes)
     _check_others(problem, study, mistakes)
     if problem.tuning == CAUSAL:
         _check_control(problem, study, mistakes)
@@ -511,16 +562,51 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
         )
     if study.motion != "heave":
         mistakes.add("study", f"{problem.study} has motion {study.motion!r}; derivatives are known of heave alone")
-    if not study.pto.moved_by_heave:
+    if not study.pto.moved_by_heave and problem.competitor.port is None:
         mistakes.add(
             "study",
             f"{problem.study} has a pto.port that a rigid buoy does not move, so there is nothing to compare with; "
-            "needs heave, or a place of the shell against the sea bed; vsb.gradient has derivatives of other ports",
+            "needs heave, a place of the shell against the sea bed, or beside it competitor: {port: heave}, a rigid "
+            "buoy whose take-off is in heave",
         )
+    _check_port(problem, study, mistakes)
     if study.pto.nonlinear:
         mistakes.add(
             "study", f"{problem.study} has a nonlinear take-off; needs law: linear without force or stroke limit"
         )
+
+
+def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
+    """Check what has no meaning for several ports, or for both buoys if they act with different loads."""
+    pto, other = study.pto, problem.competitor.port is not None
+    if problem.maximise == "gain" and other:
+        mistakes.add(
+            "maximise",
+            "received gain, over the rigid buoy of the same shape, which has another take-off (competitor.port); needs "
+            "annual_mean_power or a quotient",
+        )
+    if problem.verify and pto.several:
+        mistakes.add("verify", "received with several ports, or the whole shell; runs in time of designs need one port")
+    if problem.tuning == CAUSAL and not comparable(pto) and (pto.several or other):
+        mistakes.add(
+            "tuning", f"received causal with pto.port of {problem.study}; needs one port that acts with a force"
+        )
+    if isinstance(pto.port, SeveralPorts):
+        if problem.fatigue:
+            mistakes.add("fatigue", "received with several ports; the damage of the wall is computed with one damper")
+        for key in (one.key for one in problem.variables if one.key in ("pto.damping", "pto.stiffness")):
+            mistakes.add(("variables", key), "received with several ports, which have a damper matrix, the best one")
+    elif pto.several and "pto.stiffness" in (one.key for one in problem.variables):
+        mistakes.add(("variables", "pto.stiffness"), "received with a damper spread over the shell, without a spring")
+    if comparable(pto) or not (pto.several or other):
+        return
+    why = "which has no one load" if pto.several else "which has another load than the rigid buoy's in heave"
+    for section, names in (("limits", problem.limits.given), ("pareto", problem.pareto)):
+        for name in (name for name in ("force_rms", "stroke_rms") if name in names):
+            mistakes.add((section, name), f"received with pto.port of {problem.study}, {why}; remove it")
+    if problem.maximise == "power_per_force" or "force_rms" in problem.prices:
+        key = "maximise" if problem.maximise == "power_per_force" else "cost"
+        mistakes.add(key, f"received a share of force with pto.port of {problem.study}, {why}; needs others")
 
 
 def _value(study: Study, key: str) -> float | None:
@@ -563,12 +649,16 @@ def _check_variables(problem: Optimisation, study: Study, given: object, mistake
         )
 
 
-def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
+def _check_competitor(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
     """Check what the competitor is optimised in."""
     keys = [one.key for one in problem.variables]
     for key in problem.competitor.variables or ():
         if key not in OF_RIGID:
             mistakes.add(("competitor", "variables"), f"received {key}; a rigid buoy has only {', '.join(OF_RIGID)}")
+        elif key.startswith("pto.") and problem.competitor.port and not comparable(study.pto):
+            mistakes.add(
+                ("competitor", "variables"), f"received {key}, which is of another load than that of competitor.port"
+            )
         elif key not in keys:
             mistakes.add(
                 ("competitor", "variables"), f"received {key}, which has no bounds; needs it among variables too"
@@ -604,16 +694,15 @@ def _no_wall(device: Device, variables: Sequence[Variable]) -> dict[str, float]:
 def _ranges(problem: Optimisation, study: Study) -> dict[str, Ranges]:
     """What decides how the flexible buoy and its competitor float, by design."""
     flexible, rigid = problem.optimise or first_flexible(study), study.reference_design or "FSB"
-    chosen = problem.competitor.variables
     ends = {one.key: (one.low, one.high) for one in problem.variables}
-    competing = {key: pair for key, pair in ends.items() if key in (OF_RIGID if chosen is None else chosen)}
+    of_rigid = {key: pair for key, pair in ends.items() if key in competing(problem, study)}
     limits, device, water = problem.limits, study.device, study.water
     return {
         flexible: Ranges(device, water, ends, limits.given, study.at_equilibrium),
         rigid: Ranges(
             device.model_copy(update=_no_wall(device, problem.variables)),
             water,
-            competing,
+            of_rigid,
             limits.without_shell().given,
             deforms=False,
         ),

@@ -166,7 +166,7 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_s
         own = best_matrix(ports, squares, "diagonal").damping
         followed.append(form.of_diagonal(np.diag(own) / unit**2))
     found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
-    best = np.asarray(min(found, key=lambda one: float(one.fun)).x)
+    best: FloatArray = min(found, key=lambda one: float(one.fun)).x
     for _ in range(newton_steps):
         best = _newton_step(loss, best)
     damping, _ = form.matrix(best, unit)

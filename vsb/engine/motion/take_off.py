@@ -409,11 +409,9 @@ class Pto(Brief):
 
     @property
     def moved_by_heave(self) -> bool:
-        """Whether the heave of a rigid buoy moves its port."""
-        port = self.port
-        if not isinstance(port, ShellPort):
-            return port == "heave" and self.held is None
-        return port.against == "sea_bed" and (port.direction, port.colatitude) != ("radial", 90) and self.held is None
+        """Whether the heave of a rigid buoy moves its port, or one of several."""
+        ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else [self.port]
+        return self.held is None and any(_moved_by_heave(port) for port in ports)
 
     @property
     def several(self) -> bool:
@@ -522,6 +520,15 @@ class Pto(Brief):
                 unit = getattr(port_kind(self.port), key.at_port) if key.at_port else key.unit
                 raise ValueError(f"{name}: missing; law {self.law} needs one in {unit}")
         return self
+
+
+def _moved_by_heave(port: object) -> bool:
+    """Whether the heave of a rigid buoy moves a port."""
+    if isinstance(port, DofPort):
+        return set(port.dofs) == {"Heave"}
+    if not isinstance(port, ShellPort):
+        return port == "heave"
+    return port.against == "sea_bed" and (port.direction, port.colatitude) != ("radial", 90)
 
 
 DEFAULTS = {name: field.get_default(call_default_factory=True) for name, field in Pto.model_fields.items()}
