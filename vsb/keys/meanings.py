@@ -502,10 +502,12 @@ KEYS: dict[str, dict[str, Key]] = {
         "axis": Key("", "x", "direction the hinge lies across"),
         "stiffness": Key("N m/rad", "1.0e+7", "spring by the angle between the two sides"),
     },
-    "ScaledMesh": {
+    "PlacedMesh": {
         "file": Key("", "hull.stl", "file of the hull's panels, path from the file's folder"),
         "scale": Key("-", "0.001", "lengths of the file are multiplied by it to be metres"),
         "unit": Key("", "mm", "unit of length of the file, in place of scale"),
+        "up": Key("", "y", "axis of the file that points upwards; the hull is turned about the others"),
+        "draft": Key("m", "2.0", "depth of the lowest point below still water, to which the hull is moved"),
     },
     "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
@@ -513,8 +515,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "mesh": Key(
             "",
             "raft.stl",
-            "file of the hull's panels, normals outward, path from the file's folder; {file: hull.stl, unit: mm} if it "
-            "is not in metres; or a simple hull: sphere, cylinder, capsule, box",
+            "file of the hull's panels, normals outward, path from the file's folder; {file: hull.stl, unit: mm, "
+            "up: y, draft: 2.0} if it is not in metres, upright or at its draft; or a simple hull: sphere, cylinder, "
+            "capsule, box",
         ),
         "modes": Key(
             "",

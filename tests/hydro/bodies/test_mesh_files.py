@@ -258,8 +258,25 @@ def test_a_unit_is_one_of_length_and_not_beside_a_scale():
         validated(BodyFile, {**raw, "mesh": {"file": "a.stl", "scale": 0.5, "unit": "mm"}}, "b.yaml")
     with pytest.raises(ConfigError, match=r"b.yaml: mesh.*unit: received 'kg'"):
         validated(BodyFile, {**raw, "mesh": {"file": "a.stl", "unit": "kg"}}, "b.yaml")
-    with pytest.raises(ConfigError, match="unit of the displacements in the file of modes is unknown; needs metres"):
+    with pytest.raises(ConfigError, match="displacements in the file of modes are of the mesh as it is; needs metres"):
         validated(BodyFile, {"body": "b", "mesh": {"file": "a.nc", "unit": "mm"}, "modes": "a.nc", "omega": [1.0]}, "b")
+
+
+@pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])
+def test_a_hull_drawn_along_any_axis_from_any_origin_is_set_upright_at_its_draft(tmp_path, up):
+    """Turned as a CAD program may have it, the hull is the same, to its centre of mass and its normals."""
+    points, side, keel = cylinder()
+    points = points + np.array([0.3, 0.0, 0.1 * T])  # neither centred nor symmetric
+    axis = "xyz".index(up[-1])
+    turned = np.roll(points, axis + 1, axis=1)  # z becomes the axis; a cyclic change keeps the hand
+    if up[0] == "-":
+        turned = turned * np.where(np.arange(3) == (axis + 1) % 3, 1, -1)  # half a turn about another axis
+    hull = obj(tmp_path / "hull.obj", turned, [*side, keel])
+    body = described(hull, mesh={"up": up, "draft": T})
+    assert body.mass[0, 0] == pytest.approx(1025.0 * VOLUME, rel=1e-7)
+    assert body.vertices[:, 2].min() == pytest.approx(-T)
+    assert "turned, as their normals" not in body.history
+    assert f"from -{T:.3g} to 0 m above still water" in body.history
 
 
 def plate(points, twice):
@@ -328,9 +345,14 @@ def test_a_corner_out_of_all_proportion_is_named(tmp_path):
 
 def test_a_hull_on_its_side_or_below_the_water_is_named(tmp_path):
     points, side, keel = cylinder()
-    with pytest.raises(ConfigError, match=r"open along y = 0.*if y = 0 is its waterline it lies on its side: turn it"):
+    with pytest.raises(
+        ConfigError, match=r"open along y = 0.*if y = 0 is its waterline it lies on its side: turn it by up: y"
+    ):
         described(obj(tmp_path / "side.obj", points[:, [0, 2, 1]] * [1, 1, -1], [*side, keel]))
-    with pytest.raises(ConfigError, match=r"lowest point at 0 m; needs .* move it down by its draught"):
+    with pytest.raises(
+        ConfigError,
+        match=r"lowest point at 0 m; needs .* or the draft of the hull, such as mesh: {file: hull.stl, draft",
+    ):
         described(obj(tmp_path / "keel.obj", points + np.array([0, 0, T]), [*side, keel]))
 
 

@@ -12,7 +12,7 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.engine.hydro.bodies.plain_hulls import BoxHull, CapsuleHull, CylinderHull, ScaledMesh, SphereHull
+from vsb.engine.hydro.bodies.plain_hulls import BoxHull, CapsuleHull, CylinderHull, PlacedMesh, SphereHull
 from vsb.engine.hydro.labels import RIGID
 from vsb.engine.hydro.panel_solver import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.engine.waves.water import Water
@@ -131,7 +131,7 @@ def _mesh_kind(value: object) -> str:
     """Which kind of mesh is meant, by its form."""
     if isinstance(value, str):
         return "path"
-    return "scaled" if isinstance(value, ScaledMesh) or (isinstance(value, dict) and "file" in value) else "hull"
+    return "placed" if isinstance(value, PlacedMesh) or (isinstance(value, dict) and "file" in value) else "hull"
 
 
 PlainHull = SphereHull | CylinderHull | CapsuleHull | BoxHull
@@ -139,7 +139,7 @@ PlainHull = SphereHull | CylinderHull | CapsuleHull | BoxHull
 
 Mesh = Annotated[
     Annotated[str, Tag("path")]
-    | Annotated[ScaledMesh, Tag("scaled")]
+    | Annotated[PlacedMesh, Tag("placed")]
     | Annotated[Annotated[PlainHull, Field(discriminator="kind")], Tag("hull")],
     Discriminator(_mesh_kind),
 ]
@@ -200,8 +200,11 @@ class BodyFile(Brief):
                 raise ValueError(
                     f"modes: received {self.modes!r}; a {self.hull.kind} needs rigid, or names such as Heave"
                 )
-            if self.metres != 1:
-                raise ValueError("mesh: the unit of the displacements in the file of modes is unknown; needs metres")
+            if isinstance(self.mesh, PlacedMesh) and self.mesh != PlacedMesh(file=self.mesh.file):
+                raise ValueError(
+                    "mesh: the displacements in the file of modes are of the mesh as it is; needs metres, z upwards "
+                    "and still water at z = 0"
+                )
             if self.panel is not None:
                 raise ValueError("panel: the file of modes has displacements of these panels alone; remove it")
             if given:
@@ -239,24 +242,24 @@ class BodyFile(Brief):
     @property
     def hull(self) -> PlainHull | None:
         """The plain hull, if it is no mesh file."""
-        return None if isinstance(self.mesh, str | ScaledMesh) else self.mesh
+        return None if isinstance(self.mesh, str | PlacedMesh) else self.mesh
 
     @property
     def metres(self) -> float:
         """Length of the unit of its mesh [m]."""
-        return self.mesh.metres if isinstance(self.mesh, ScaledMesh) else 1.0
+        return self.mesh.metres if isinstance(self.mesh, PlacedMesh) else 1.0
 
     @property
     def paths(self) -> dict[str, str]:
         """Names of the files it is read from, by key."""
-        file = self.mesh.file if isinstance(self.mesh, ScaledMesh) else self.mesh
+        file = self.mesh.file if isinstance(self.mesh, PlacedMesh) else self.mesh
         mesh = {"mesh": file} if isinstance(file, str) else {}
         return mesh | ({"modes": str(self.modes)} if self.rigid_motions is None else {})
 
     def with_files(self, names: Mapping[str, str]) -> Self:
         """Return the same read from files of other names, by key."""
         known: dict[str, object] = dict(names)
-        if isinstance(self.mesh, ScaledMesh) and "mesh" in names:
+        if isinstance(self.mesh, PlacedMesh) and "mesh" in names:
             known["mesh"] = self.mesh.model_copy(update={"file": names["mesh"]})
         return self.model_copy(update=known)
 

@@ -26,7 +26,7 @@ from vsb.engine.hydro.bodies.mesh import (
     wetted,
 )
 from vsb.engine.hydro.bodies.mesh_files import FOOT, length_unit, read_mesh
-from vsb.engine.hydro.bodies.plain_hulls import SphereHull
+from vsb.engine.hydro.bodies.plain_hulls import PlacedMesh, SphereHull
 from vsb.engine.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.engine.hydro.bodies.sections import Beam
 from vsb.engine.hydro.labels import RIGID, ROTATIONS
@@ -63,9 +63,37 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
         _, faces, notes = usable_panels(found)
         if unit != 1:
             notes.append(f"{'GRAV is in feet: ' * in_feet}lengths of the mesh multiplied by {unit:g}")
-        return _made_body(file, unit * found.vertices, faces, notes)
+        vertices = _placed(unit * found.vertices, faces, file.mesh)
+        return _made_body(file, vertices, faces, [*notes, _extent(vertices[np.unique(faces)])])
     except ConfigError as error:
         raise ConfigError(f"{mesh}: {error}") from None
+
+
+_UPRIGHT = {
+    "x": [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
+    "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+    "z": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "-x": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+    "-y": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+    "-z": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+}
+"""The rotation that sets a hull upright, by the axis of its file that points upwards."""
+
+
+def _placed(vertices: FloatArray, faces: IntArray, mesh: object) -> FloatArray:
+    """The corners of a hull [m] turned upright and moved to its draft."""
+    if not isinstance(mesh, PlacedMesh):
+        return vertices
+    upright: FloatArray = vertices @ np.array(_UPRIGHT[mesh.up], dtype=float).T
+    if mesh.draft is not None:
+        upright[:, 2] -= upright[np.unique(faces), 2].min() + mesh.draft
+    return upright
+
+
+def _extent(points: FloatArray) -> str:
+    """How large a hull is and how deep it lies."""
+    (length, width, _), (low, *_, high) = np.ptp(points, axis=0), np.sort(np.round(points[:, 2], 3)) + 0.0
+    return f"hull {length:.3g} m along x, {width:.3g} m along y, from {low:.4g} to {high:.4g} m above still water"
 
 
 def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: list[str]) -> FlexibleBody:

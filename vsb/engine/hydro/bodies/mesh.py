@@ -332,7 +332,11 @@ def check_closed(found: Gaps) -> None:
     beside = on.any(axis=0) & (np.minimum(-found.low, found.high)[:2] < 1e-6 * np.abs(ends).max())  # on one side of it
     if on[:, beside].any(axis=1).all():
         planes = [f"{name} = 0" for k, name in enumerate("xy") if (on[:, k] & ~on[:, 1 - k]).any()]
-        side = f"; if {planes[0]} is its waterline it lies on its side: turn it, z is up" if len(planes) == 1 else ""
+        side = (
+            f"; if {planes[0]} is its waterline it lies on its side: turn it by up: {planes[0][0]} or -{planes[0][0]}"
+            if len(planes) == 1
+            else ""
+        )
         raise ConfigError(
             f"mesh: open along {' and '.join(planes)}, where {len(ends)} edges belong to one panel only: a half or "
             "quarter of a body; needs the whole wetted surface: mirror it, or set the symmetry flags of its file (ISX, "
@@ -474,7 +478,7 @@ def wetted(vertices: FloatArray, faces: IntArray, bed: float = -np.inf) -> Wette
     if not len(below):
         raise ConfigError(
             f"mesh: none of {len(faces)} panels lies below z = 0, the lowest point at {height[faces].min():.4g} m; "
-            "needs the water's surface at z = 0: move it down by its draught"
+            "needs the water's surface at z = 0, or the draft of the hull, such as mesh: {file: hull.stl, draft: 2.0}"
         )
     points, panels, parent = immersed_panels(level, faces[below])
     whole = ~without_area(points, panels)

@@ -1,4 +1,4 @@
-"""Hulls that a body file names: a mesh file in a unit of its own, or a sphere, cylinder, capsule or box. Pure Python.
+"""Hulls that a body file names: a mesh file and how it is placed, or a sphere, cylinder, capsule or box. Pure Python.
 
 `vsb.engine.hydro.bodies.hulls` meshes them.
 """
@@ -11,13 +11,15 @@ from vsb.keys.quantities import Brief, Number, Positive, Section
 from vsb.tools.units import parsed_unit
 
 
-class ScaledMesh(Brief):
-    """A mesh file in a unit of length, or whose lengths times `scale` are metres."""
+class PlacedMesh(Brief):
+    """A mesh file: its unit of length, or what its lengths are multiplied by to be metres, and how the hull lies."""
 
-    BRIEF = ("scale", "unit")
+    BRIEF = ("scale", "unit", "up", "draft")
     file: str
     scale: Positive = 1.0
     unit: Literal["m", "mm", "cm", "km", "in", "ft"] = "m"
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"  # axis of the file that points upwards
+    draft: Positive | None = None  # depth of the lowest point below still water [m]; none: as the file has it
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Self:
