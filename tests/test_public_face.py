@@ -168,9 +168,9 @@ def test_year_knows_the_spring_of_the_take_off(results):
     pto = results.study.pto.model_copy(update={"stiffness": -2e4})
     sprung = vsb.Results(results.study.model_copy(update={"pto": pto})).year(climate, ("one",))
     assert (sprung.annual_mean_power > 1.02 * plain.annual_mean_power.sel(tuning=["one"])).all()  # nearer to resonance
-    lossy = results.study.pto.model_copy(update={"efficiency": 0.8})
+    lossy = vsb.Results(results.study.model_copy(update={"pto": pto.model_copy(update={"efficiency": 0.8})}))
     with pytest.raises(ConfigError, match="efficiency"):
-        vsb.Results(results.study.model_copy(update={"pto": lossy})).year(climate)
+        lossy.year(climate)
 
 
 def test_power_matrix_is_the_mean_over_the_spectrum_of_each_sea(results, tmp_path, capsys):

@@ -14,7 +14,7 @@ from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.scatter import climate_of_cells
 from vsb.models.rest import reference_shell
-from vsb.results.causal_year import causal_years, scheduled_at_ports
+from vsb.results.causal_year import causal_years, port_means, scheduled_at_ports, schedules_at_port
 from vsb.results.matrix_year import MatrixYear
 from vsb.results.year import DesignYear, bins_of, frequencies
 
@@ -57,6 +57,39 @@ def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit
         assert (bins.share * found["power_matrix"][i]).sum() == pytest.approx(power[i])
     assert 0.0 < found["gain_percent"][1] < 5.0 if limit == 1e3 else found["gain_percent"][0] == 0.0
     assert all(np.isfinite(values).all() for values in found.values())
+
+
+def converted(power, force, speed, efficiency, angles=4096):
+    """Mean of e p+ + p-/e of jointly Gaussian force and velocity, by the trapezoidal rule over their angle."""
+    rho = power / np.sqrt(force * speed)
+    angle = 2 * np.pi * (np.arange(angles) + 0.5) / angles
+    p = 2 * np.sqrt(force * speed)[:, None] * np.cos(angle) * np.cos(angle - np.arccos(rho)[:, None])
+    return np.where(p > 0, efficiency * p, p / efficiency).mean(axis=1)
+
+
+def test_losses_in_conversion_are_those_of_each_sea(example, climate):  # noqa: F811
+    """In a bin of two seas of other periods the mean of both, no better than the same part of the power at the port."""
+    study, floating = example[0], with_quality(example[1])
+    lossy = study.model_copy(update={"pto": Pto(efficiency=0.7, tuning="each")})
+    (dampers, whole), (part, found) = (
+        np.moveaxis(np.asarray(causal_years(one, floating, climate)["annual_mean_power"][1]), 1, 0)
+        for one in (study, lossy)
+    )
+    np.testing.assert_allclose(part, 0.7 * dampers, rtol=1e-9)
+    assert (part < found).all()
+    assert (found < 0.7 * whole).all()
+    bins, omega = bins_of(climate), frequencies(climate, *floating.band)
+    waves = floating.at(omega).in_waves()
+    by_bin = schedules_at_port(lossy, floating, climate, waves)
+    for (design, one), total in zip(waves.items(), found, strict=True):
+        own, year = by_bin[design], DesignYear(one.port, climate)
+        seas = climate.density @ year.weights
+        expected = 0.0
+        for place, in_bin in zip(bins.occupied, own, strict=True):
+            here = bins.index == place
+            means = port_means(one.port, in_bin["causal"].force) @ seas[here].T
+            expected += climate.hours[here] @ converted(*means, 0.7)
+        assert total == pytest.approx(expected, rel=1e-3)  # noise and the grid of the controller
 
 
 TOP = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}

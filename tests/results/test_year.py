@@ -242,3 +242,15 @@ def test_interval_of_mean_power_adds_all_known_errors():
     found = powers_within(*(np.array([row]) for row in ([100.0, 50.0], [1.0, 2.0], [0.01, 0.02], [-0.1, 0.05])))
     assert found["annual_mean_power_low"][1][0] == pytest.approx([88.0, 42.0])
     assert found["annual_mean_power_high"][1][0] == pytest.approx([107.0, 55.5])
+
+
+def test_losses_in_conversion_take_their_part_of_every_damper():
+    """Each damper stays the best, and its force what it was."""
+    grid = np.linspace(0.2, 3.0, 300)
+    ports = {"A": port(grid), "B": port(grid, mass=9e3)}
+    whole, part = (year(ports, climate(), WATER, dampings={"A": 8e3, "B": 2e4}, efficiency=e) for e in (1.0, 0.8))
+    for name, (_, values) in whole.values.items():
+        lost = name in ("annual_mean_power", "annual_energy", "practice_power", "quadrature_error") or (
+            name.startswith(("power_", "capture_width"))
+        )
+        np.testing.assert_allclose(part.values[name][1], (0.8 if lost else 1.0) * values, 1e-9, 1e-9, err_msg=name)

@@ -94,7 +94,6 @@ INERTIA = {"device.ballast_inertia": 9e3, "device.ballast_yaw_inertia": 9e3}
         ({"device.thickness": 1.0}, "with device.thickness: 1.0: device: thickness 1 m"),
         ({"device.mass.of": 1.0}, "device.mass.of: mass is a value, which has no key of"),
         ({"designs.NONE.clamp": 1.0}, "designs.NONE.clamp: the study has no NONE; needs one of FSB, VSWEC"),
-        ({"pto.efficiency": 0.8}, r"with pto.efficiency: 0.8: pto.efficiency: received 0.8; a year needs 1"),
         ({"drag": {"heave": {"coefficient": 1.0, "area": 3.0}}}, "drag: a year is computed by linear theory"),
         ({"motion": "free", "device.centre_of_mass": -0.6} | INERTIA, "motion: received 'free'; the seas of a year"),
         ({"scale": 0.0}, "scale: received 0.0, needs 0.001 to 1000"),
@@ -130,6 +129,19 @@ def test_damper_matrices_of_a_year_are_linear_and_unlimited(folder, changes, mes
     (folder / "seed.yaml").write_text(yaml.safe_dump({**yaml.safe_load(SEED.read_text()), "pto": pto}))
     with pytest.raises(ConfigError, match=message):
         load(written(folder, **changes))
+
+
+def test_conversion_with_losses_is_known_of_dampers_and_causal_control(folder):
+    lossy = varied(load_study(SEED), pto={"efficiency": 0.8})
+    sprung = varied(load_study(SEED), pto={"efficiency": 0.8, "stiffness": 1e3})
+    load(written(folder, tuning=["fixed", "one", "each", "causal"])).check_take_off(lossy, "here")
+    load(written(folder, tuning=["damper_same_force", "causal"])).check_take_off(sprung, "here")
+    for tuning, study, message in (
+        (["one", "constrained"], lossy, r"here: pto.efficiency: received 0.8; optima of tuning constrained"),
+        (["one", "causal"], sprung, r"here: pto.stiffness: received 1000 with an efficiency of 0.8.* tuning one"),
+    ):
+        with pytest.raises(ConfigError, match=message):
+            load(written(folder, tuning=tuning)).check_take_off(study, "here")
 
 
 def test_switching_take_off_needs_time_domain_or_constrained_optimum(folder):

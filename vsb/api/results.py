@@ -35,6 +35,7 @@ from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
+from vsb.study.campaign import check_conversion
 from vsb.study.design import LoadedDesign
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, plan_for
@@ -253,7 +254,7 @@ class Results:
         Raises
         ------
         ConfigError
-            If the study has drag or an efficiency below 1, which a year by linear theory does not know.
+            If the study has drag, which a year by linear theory does not know, or a spring and an efficiency below 1.
         """
         return self._over(climate, tunings, direction).dataset()
 
@@ -328,12 +329,11 @@ class Results:
         pto = self.study.pto
         if self.study.plates:
             raise ConfigError("drag: a year by linear theory does not know it; needs a study without drag")
-        if pto.efficiency != 1.0:
-            raise ConfigError(f"pto.efficiency: received {pto.efficiency:g}; a year needs 1")
+        check_conversion(pto, "pto", tunings)
         omega = frequencies(climate, float(self.database.omega[0]), self._highest)
         ports = {design: self.port(design, omega, direction).beside(pto.stiffness) for design in self.study.designs}
         given = {design: damping for design in ports if (damping := pto.damper(design)) is not None}
-        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design)
+        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design, pto.efficiency)
 
     def period(self, wave: str | None = None) -> float:
         """Return the period of a sea [s]: of an irregular one the peak period, of still water the record."""

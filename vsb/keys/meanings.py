@@ -220,7 +220,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "fixed: the damper given; each: every design's optimal one in each sea; one: its optimum over all seas",
         ),
         "efficiency": Key(
-            "-", "0.9", "of both directions of power, in the control levels but `constrained` and `matched`"
+            "-",
+            "0.9",
+            "of both directions of power, in the control levels but `constrained` and `matched`, and in campaigns",
         ),
         "port": Key(
             "",

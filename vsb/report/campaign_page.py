@@ -142,6 +142,8 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     if not bool(ds.viable.any()):
         return []
     found, second = [], second_tuning(ds, tuning)
+    if words := ds.attrs.get("efficiency"):
+        found.append(f"All powers are after conversion, with an efficiency {words} in both directions of power.")
     further = (name for name in TUNED if name in ds.tuning.values and name not in (tuning, second))
     found += [answer(ds, reference, other) for other in further]
     if ds.margin.size > 1 and reference is not None and second:

@@ -163,7 +163,7 @@ def year_data(
     ----------
     points : sequence of mapping
         `words`; `ports` by design, at frequencies that contain the edges of the climate's bands; `given` damping by
-        design; energy `flux` of every sea [W/m].
+        design; energy `flux` of every sea [W/m]; `efficiency` of conversion, if it is not 1.
     reference : str or None
         The design gains are measured against.
 
@@ -196,12 +196,13 @@ def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[st
     ports: Mapping[str, Port] = point["ports"]
     weights = band_weights(next(iter(ports.values())).omega, climate)
     band, at = np.nonzero(weights)
+    part = float(point.get("efficiency", 1.0))  # of the power of every damper
     return {
         "words": point["words"],
         "flux": float(point["flux"] @ climate.hours),
         "given": [point["given"].get(design) for design in designs],
         "ports": [port_data(ports[design]) if design in ports else None for design in designs],
-        "weights": {"band": packed(band), "at": packed(at), "value": packed(weights[band, at], "<f8")},
+        "weights": {"band": packed(band), "at": packed(at), "value": packed(part * weights[band, at], "<f8")},
     }
 
 

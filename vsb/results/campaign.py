@@ -26,6 +26,7 @@ TABLE = (
     "force_rms", "practice_power", "quadrature_error", "energy_beyond_validity",
 )  # fmt: skip
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
+EFFICIENCY = "pto.efficiency"
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
 POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_IN_TIME, GAIN_IN_TIME))
@@ -71,7 +72,11 @@ def _attrs(spec: CampaignSpec) -> dict[str, str]:
     else:
         reference = next((name for name, design in designs.items() if not design["flexible"]), None)
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
-    return {**names, "reference": reference or "", "Conventions": "CF-1.8", "port_kind": _port_kind(spec).load}
+    efficiency = spec.base["pto"].get("efficiency", 1.0)
+    words = "as varied" if EFFICIENCY in spec.vary.keys else f"of {efficiency:g}" if efficiency < 1 else ""
+    after = {"efficiency": words} if words else {}
+    kind = _port_kind(spec).load
+    return {**names, "reference": reference or "", "Conventions": "CF-1.8", "port_kind": kind, **after}
 
 
 def _port_kind(spec: CampaignSpec) -> PortKind:

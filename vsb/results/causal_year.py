@@ -17,7 +17,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.interpolate import make_interp_spline
 
-from vsb.engine.motion.causal import Controlled, StationaryPort, numerical_error, optimum
+from vsb.engine.motion.causal import StationaryPort, numerical_error, optimum
 from vsb.engine.motion.causal_ports import StationaryPorts
 from vsb.engine.motion.causal_ports import optimum as optimum_of_several
 from vsb.engine.motion.coefficient_errors import (
@@ -27,6 +27,7 @@ from vsb.engine.motion.coefficient_errors import (
     sensitivity_at_ports,
     sensitivity_of_forces,
 )
+from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import converted_power, damper_within_force
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
@@ -86,36 +87,47 @@ def scheduled(
         still = Scheduled(0.0, 0.0, 0.0, np.zeros_like(seen.velocity))
         return {SAME_FORCE: still, CAUSAL: still}
     limits, matched = rms_limits(pto, seen, squares), float(squares @ seen.matched_power)
-    best = optimum(port, limits, noise, forecast, pto.efficiency)
-    ratio = matched / port.matched_power
+
+    def converted(force: ComplexArray, known: tuple[float, float, float] | None = None) -> float:
+        means = port_means(seen, force)
+        return over_seas(means @ seas.T, hours, pto.efficiency, means @ squares if known is None else np.array(known))
+
     damper = damper_within_force(seen, squares[None], limits.force, pto.stiffness, pto.efficiency)
     load = seen.load(damper.damping, damper.stiffness)[0]
     force = np.asarray(load * seen.velocity_under(load))
     stroke = float(np.sqrt(0.5 * np.abs((seen.velocity - seen.admittance * force) / seen.omega) ** 2 @ squares))
-    damped = Scheduled(float(damper.power[0]), 0.0, float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares)), force)
+    damped = Scheduled(converted(force), 0.0, float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares)), force)
+    best = optimum(port, limits, noise, forecast, pto.efficiency)
     gain = np.interp(seen.omega, port.omega, port.controller(best.weights, noise, forecast))
     own = gain * seen.velocity / seen.admittance
-    power = ratio * _converted(best, pto.efficiency, own, seen.velocity - seen.admittance * own, seas, hours)
-    if stroke <= limits.stroke and damper.power[0] >= power:
+    power = matched / port.matched_power * converted(own, (best.power, best.force, best.speed))
+    if stroke <= limits.stroke and damped.power >= power:
         return {SAME_FORCE: damped, CAUSAL: damped}
     error = power * numerical_error(port, best, noise, forecast)
     return {SAME_FORCE: damped, CAUSAL: Scheduled(power, error, best.force_rms, own)}
 
 
-def _converted(
-    best: Controlled, efficiency: float, force: ComplexArray, speed: ComplexArray, seas: FloatArray, hours: FloatArray
-) -> float:
-    """Mean power after conversion over the seas of a bin, of a controller known in their mean [W].
+def port_means(port: Port, force: ComplexArray) -> FloatArray:
+    """Return the means of F V, F^2 and V^2 per squared wave amplitude, shape (3, omega), of a force (omega,) [N/m]."""
+    speed = port.velocity - port.admittance * force
+    return 0.5 * np.stack([np.real(force.conj() * speed), np.abs(force) ** 2, np.abs(speed) ** 2])
 
-    Each mean of a sea is that of the mean spectrum times the ratio of both without noise.
+
+def over_seas(means: FloatArray, hours: FloatArray, efficiency: float, known: FloatArray) -> float:
+    """Return the mean power after conversion over seas, whose own means follow from those of their mean spectrum [W].
+
+    Parameters
+    ----------
+    means : ndarray, shape (3, sea)
+        Of F V, F^2 and V^2 in each sea, see `port_means`.
+    hours : ndarray, shape (sea,)
+        Their shares.
+    known : ndarray, shape (3,)
+        The same in the mean spectrum, noise included, which is taken to be in proportion in each sea.
     """
-    if efficiency == 1.0:
-        return best.power
-    means = np.stack([np.real(force.conj() * speed), np.abs(force) ** 2, np.abs(speed) ** 2]) @ seas.T
-    known = np.array([best.power, best.force, best.speed])
-    power, square, of_speed = means * (known / (means @ hours / hours.sum()))[:, None]
-    each = converted_power(power, np.sqrt(np.maximum(square * of_speed, 0.0)), efficiency)
-    return float(each @ hours / hours.sum())
+    share = hours / hours.sum()
+    power, square, speed = means * np.divide(known, means @ share, out=np.zeros(3), where=known > 0)[:, None]
+    return float(converted_power(power, np.sqrt(square * speed), efficiency) @ share)
 
 
 def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: StationaryPorts) -> dict[str, Scheduled]:
@@ -168,10 +180,10 @@ class _Spectra:
         )
 
 
-def _schedules(
+def schedules_at_port(
     study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, InWaves]
 ) -> dict[str, Schedule]:
-    """The schedule of every design at one port."""
+    """Return the schedule of every design at one port."""
     spectra, bins = _Spectra.of_year(climate, floating.band[1]), bins_of(climate)
     near, far = floating.at(spectra.inside).ports(), floating.at(spectra.beyond).ports()
     density, found = bins.mean_densities(climate), dict[str, Schedule]()
@@ -186,10 +198,10 @@ def _schedules(
     return found
 
 
-def _schedules_at_ports(
+def schedules_at_ports(
     study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, SeveralInWaves]
 ) -> dict[str, Schedule]:
-    """The schedule of every design at several ports."""
+    """Return the schedule of every design at several ports."""
     spectra, kind = _Spectra.of_year(climate, floating.band[1]), matrix_kind(study.pto)
     near, far = (floating.at(omega).several_ports() for omega in (spectra.inside, spectra.beyond))
     density, found = bins_of(climate).mean_densities(climate), dict[str, Schedule]()
@@ -224,12 +236,12 @@ def causal_years(
     at, errors = floating.at(omega), floating.errors(omega)
     if study.pto.several:
         several = at.several_in_waves()
-        schedules = _schedules_at_ports(study, floating, climate, several)
+        schedules = schedules_at_ports(study, floating, climate, several)
         values = _values(study, climate, several, schedules, tunings)
         slopes = _slopes_at_ports(study, several, climate, schedules, values, tunings)
     else:
         waves = at.in_waves()
-        schedules = _schedules(study, floating, climate, waves)
+        schedules = schedules_at_port(study, floating, climate, waves)
         values = _values(study, climate, waves, schedules, tunings)
         slopes = _slopes(waves, climate)
     return {**values, **_intervals(study, slopes, errors, values, left_out)}

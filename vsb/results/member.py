@@ -179,7 +179,7 @@ def ports_year(study: Study | AnyBody, ports: Mapping[str, Port], climate: Clima
     """Return the year of the designs of a study from their ports."""
     dampers = {design: study.pto.damper(design) for design in study.designs}
     given = {design: damping for design, damping in dampers.items() if damping is not None}
-    return year(ports, climate, study.water, tunings, given, study.reference_design)
+    return year(ports, climate, study.water, tunings, given, study.reference_design, study.pto.efficiency)
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class DampedYears:
         """All that the year of a rigid design depends on in one climate."""
         parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
         pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
-        given = (pto.stiffness, pto.damper(design) or 0.0, radius_of(study) or 0.0)
+        given = (pto.stiffness, pto.damper(design) or 0.0, pto.efficiency, radius_of(study) or 0.0)
         return (
             b"".join(part.tobytes() for part in parts)
             + np.array([*given, water.density, water.depth, water.gravity]).tobytes()
@@ -239,22 +239,23 @@ class DampedYears:
         """Results of designs that are not known yet."""
         ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         if not self.tunings:
-            return self._curves(ports, None)
+            return self._curves(ports, None, study.pto.efficiency)
         of = ports_year(study, ports, self.climate, self.tunings)
 
         def motions(design: str, tuning: str) -> dict[str, FloatArray]:
             damping = of.dampers[of.designs.index(design), of.tunings.index(tuning)]
             return motion_rms(waves[design], self.climate, damping, study.pto.stiffness)
 
-        return {**of.values, **beyond_validity(of, motions, radius_of(study)), **self._curves(ports, of)}
+        beyond, curves = beyond_validity(of, motions, radius_of(study)), self._curves(ports, of, study.pto.efficiency)
+        return {**of.values, **beyond, **curves}
 
-    def _curves(self, ports: Mapping[str, Port], of: Year | None) -> Values:
+    def _curves(self, ports: Mapping[str, Port], of: Year | None, efficiency: float) -> Values:
         """Mean power of the year and rms force of dampers that stay the same, each shape (design, damper)."""
-        years = [DesignYear(port, self.climate) for port in ports.values()]
+        years = [DesignYear(port, self.climate, efficiency) for port in ports.values()]
         known = of.dampers[:, of.tunings.index("one"), 0] if of and "one" in of.tunings else None
         tried = np.outer(best_for_all(years) if known is None else known, TRIED)
         power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
-        found = (tried, power, np.sqrt(tried * power))
+        found = (tried, power, np.sqrt(tried * power / efficiency))
         return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
     def _intervals(

@@ -182,6 +182,8 @@ class DesignInTime:
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
         """Return mean power over the window [W], by the model and by linear theory in the same waves.
 
+        After conversion: the power of these laws goes one way at every instant, and the efficiency is a factor.
+
         Parameters
         ----------
         sea : Sea
@@ -192,11 +194,12 @@ class DesignInTime:
         """
         loads = self._absorbed(sea.omega) * sea.amplitude[:, None]
         linear = float(linear_batches(sea.omega, loads, settings.window, 1)[0])
-        return self._run(sea, settings, model), linear
+        return self._run(sea, settings, model), self.pto.efficiency * linear
 
     def from_rest(self, sea: Sea, settings: Simulation) -> float:
         """Return the mean power over the window by linear theory from rest, its transient included [W]."""
-        return replace(self, pto=UNLIMITED)._run(sea, settings, "linear")
+        unlimited = UNLIMITED.model_copy(update={"efficiency": self.pto.efficiency})
+        return replace(self, pto=unlimited)._run(sea, settings, "linear")
 
     def _absorbed(self, omega: FloatArray) -> ComplexArray:
         """L^T V of the take-off's dampers L L^T per wave amplitude, shape (omega, load) [W^0.5/m]."""
@@ -232,7 +235,7 @@ class DesignInTime:
         first = [0] + [1] * (len(absorbed) - 1)  # a leg begins where the one before ended
         time, energy = (np.concatenate([one[k][i:] for one, i in zip(absorbed, first, strict=True)]) for k in (0, 1))
         start, end = settings.window
-        return float(np.diff(CubicSpline(time, energy)([start, end]))[0] / (end - start))
+        return self.pto.efficiency * float(np.diff(CubicSpline(time, energy)([start, end]))[0] / (end - start))
 
 
 def check_audit(settings: Simulation, residual: float) -> None:

@@ -202,16 +202,19 @@ class OverClimate(Generic[P]):
         return replace(self, port=self.port.at(kept))
 
 
+@dataclass(frozen=True)
 class DesignYear(OverClimate[Port]):
-    """One design over a climate."""
+    """One design over a climate, its power after conversion: of a damper, whose power goes one way, a part of it."""
+
+    efficiency: float = 1.0
 
     def table(self, damping: FloatArray) -> FloatArray:
         """Return the mean power of every damper in every sea, shape (damper, sea) [W]."""
-        return np.asarray((self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
+        return np.asarray((self.efficiency * self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
 
     def annual(self, damping: FloatArray) -> FloatArray:
         """Return the mean power of every damper over the year, shape (damper,) [W]."""
-        return np.asarray(self.port.power(damping) @ self.squares)
+        return np.asarray(self.efficiency * self.port.power(damping) @ self.squares)
 
     def absorbed(self, tuning: Tuning, damping: float | None) -> Load:
         """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
@@ -308,6 +311,7 @@ class Year:
     quadrature_error: FloatArray  # of the mean power (design, tuning) [W]
     reference: str | None = None  # design that gains are over
     notes: tuple[str, ...] = ()
+    efficiency: float = 1.0  # of the conversion that powers are after
 
     @cached_property
     def bins(self) -> Bins:
@@ -342,8 +346,8 @@ class Year:
 
     @property
     def force_rms(self) -> FloatArray:
-        """Root mean square of the take-off's force over the year, sqrt(mean of c P), shape (design, tuning) [N]."""
-        return np.sqrt((self.dampers * self.power) @ self.climate.hours)
+        """Root mean square of the take-off's force over the year, shape (design, tuning) [N]: sqrt(mean of c P)."""
+        return np.sqrt((self.dampers * self.power / self.efficiency) @ self.climate.hours)
 
     @property
     def gain_percent(self) -> FloatArray | None:
@@ -395,6 +399,7 @@ def year(
     tunings: Sequence[Tuning] = TUNINGS,
     dampings: Mapping[str, float] | None = None,
     reference: str | None = None,
+    efficiency: float = 1.0,
 ) -> Year:
     """Return a site's year of some designs.
 
@@ -412,6 +417,8 @@ def year(
         Dampers of the tuning `fixed` [N s/m].
     reference : str, optional
         Design gains are over.
+    efficiency : float
+        Of conversion; below 1 beside no spring.
     """
     given = dict(dampings or {})
     if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
@@ -419,7 +426,7 @@ def year(
     if lacking := [design for design in ports if "fixed" in tunings and design not in given]:
         raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
     outside = variance_outside({design: port.omega for design, port in ports.items()}, climate)
-    here = [DesignYear(port, climate) for port in ports.values()]
+    here = [DesignYear(port, climate, efficiency) for port in ports.values()]
     fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))
     errors = [
         [abs(float((one.power - rough.power) @ climate.hours)) / 3 for one, rough in zip(*rows, strict=True)]
@@ -427,7 +434,7 @@ def year(
     ]
     usual = []
     for port, tuned in zip(ports.values(), fine, strict=True):
-        there = DesignYear(port, practice(climate, PRACTICE_GAMMA))
+        there = DesignYear(port, practice(climate, PRACTICE_GAMMA), efficiency)
         powers = []
         for tuning, one in zip(tunings, tuned, strict=True):  # the same damper, or the best in each sea
             absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(one.damping[0])).power
@@ -437,8 +444,8 @@ def year(
         np.array([[getattr(one, name) for one in tuned] for tuned in fine]) for name in ("damping", "power")
     )
     notes = (*climate.notes, outside)
-    names = (tuple(ports), tuple(tunings))
-    return Year(climate, water, *names, damping, power, np.array(usual), np.array(errors), reference, notes)
+    names, of_power = (tuple(ports), tuple(tunings)), (power, np.array(usual), np.array(errors))
+    return Year(climate, water, *names, damping, *of_power, reference, notes, efficiency)
 
 
 def _absorbed(

@@ -185,7 +185,7 @@ def _point(
 ) -> dict[str, Any] | None:
     """Words, ports, flux of the seas and given dampers of one point, if it can be shown."""
     point = sweep_point(spec, index, root)
-    if point is None:
+    if point is None or point.study.pto.spring_costs:
         return None
     study = point.study
     return {
@@ -193,4 +193,5 @@ def _point(
         "ports": point.floating.at(frequencies(seas, *point.floating.band)).ports(study.pto.stiffness),
         "given": {design: study.pto.damper(design) for design in study.designs},
         "flux": seas.flux(study.water),
+        "efficiency": study.pto.efficiency,
     }

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
-from vsb.engine.motion.take_off import DistributedPort, port_kind
+from vsb.engine.motion.take_off import DistributedPort, Pto, port_kind
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Name, Number, Section
 from vsb.keys.reading import read_yaml, validated
@@ -312,8 +312,14 @@ class LoadedCampaign(Section):
     def check_take_off(self, study: AnyStudy, where: str) -> None:
         """Check that a nonlinear take-off is not judged by linear theory alone, which does not see it.
 
-        Raises `ConfigError`.
+        And that its power after conversion is known. Raises `ConfigError`.
         """
+        check_conversion(study.pto, f"{where}: pto", self.tuning)
+        if study.pto.efficiency < 1 and study.pto.of_package and self.campaign.verify:
+            raise ConfigError(
+                f"{where}: pto.efficiency: received {study.pto.efficiency:g} with law {study.pto.law}, whose runs in "
+                "time give the power at the port; needs 1, or no verify"
+            )
         limited = (*AT_FORCE, CONSTRAINED)
         checked = (leading_tuning(self.tuning), *limited) if self.campaign.verify else limited
         blind = [tuning for tuning in self.tuning if tuning not in checked]
@@ -323,6 +329,23 @@ class LoadedCampaign(Section):
                 f"{study.pto.stroke_limit:g} m, which linear theory of tuning {blind[0]} does not see; needs tuning: "
                 f"[causal] or [constrained], or [{blind[0]}] with verify"
             )
+
+
+def check_conversion(pto: Pto, where: str, tunings: Sequence[str]) -> None:
+    """Check that the power of a year after conversion is known; raises `ConfigError`."""
+    if pto.efficiency == 1.0:
+        return
+    if CONSTRAINED in tunings:
+        raise ConfigError(
+            f"{where}.efficiency: received {pto.efficiency:g}; optima of tuning constrained are of the power at the "
+            "port: needs 1, or tuning causal, which knows it"
+        )
+    dampers = [name for name in tunings if name not in AT_FORCE]
+    if pto.spring_costs and dampers:
+        raise ConfigError(
+            f"{where}.stiffness: received {pto.stiffness:g} with an efficiency of {pto.efficiency:g}, through which "
+            f"the spring sends power both ways; tuning {dampers[0]} of a year needs stiffness 0 or efficiency 1"
+        )
 
 
 def sections(study: AnyStudy) -> dict[str, Any]:
@@ -372,8 +395,6 @@ def _check_linear(study: AnyStudy, where: str) -> None:
         )
     if study.plates:
         raise ConfigError(f"{where}: drag: a year is computed by linear theory, which has no drag; remove it")
-    if study.pto.efficiency != 1.0:
-        raise ConfigError(f"{where}: pto.efficiency: received {study.pto.efficiency:g}; a year needs 1")
 
 
 def _scale(value: Value) -> float:

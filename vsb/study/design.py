@@ -518,6 +518,8 @@ def read(raw: object, source: str) -> LoadedDesign:
         study_at(loaded.sections, {})
     except ConfigError as error:
         mistakes.end("study", str(error).removeprefix("with nothing varied: "))
+    if study.pto.efficiency != 1.0:
+        mistakes.end("study", f"pto.efficiency: received {study.pto.efficiency:g}; a design needs 1")
     return loaded
 
 
