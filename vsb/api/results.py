@@ -392,7 +392,7 @@ class Results:
         found = self._tables
         known = found["equal_tuning"], self.study.reference_design, found["invalid"]
         aside = limits_aside(self.study.pto.model_dump())
-        answer = closing_line(*known, flexible=self.study.flexible, aside=aside).strip()
+        answer = closing_line(*known, flexible=self.study.flexible, aside=aside).rstrip("; ")
         verdicts = pd.Series([check["verdict"] for check in found["checks"]]).value_counts()
         seas = ", ".join(wave.label for wave in self.study.waves)
         lines = [

@@ -9,14 +9,23 @@ import xarray as xr
 from vsb.engine.motion.take_off import DEFAULTS, LAWS, port_kind
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
-from vsb.tools.words import SAME, against, multiple, plain, power, the_rigid, watts
+from vsb.tools.words import (
+    SAME,
+    against,
+    gain_decimals,
+    gain_text,
+    interval_text,
+    multiple,
+    plain,
+    power,
+    the_rigid,
+    watts,
+)
 
 Lines = Sequence[dict[str, Any]]
 """Rows of `vsb.results.gains`: gains of designs in seas, optima within limits, or designs that are not valid."""
 MISSING = ("", None)
 """What a table has where a quantity does not exist."""
-DIGITS = 5
-"""Most decimals of an interval [%]."""
 COMPUTED = "Computed although the model does not hold: "
 NO_OPTIMUM = (
     "An assumed pressure does not respond to the motion of the buoy, so optimal damping is unknown: all gains here are "
@@ -118,9 +127,10 @@ def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str], a
     several = len({line["design"] for line in shown}) > 1
     most = f"the best flexible design, {best['design']}," if several else best["design"]
     where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
-    interval = interval_text(best.get("best_low"), best.get("best_high"))
+    ends = best.get("best_low"), best.get("best_high")
+    interval, decimals = interval_text(*ends), gain_decimals(*ends)
     known = f"{interval} with all known errors; " if interval else ""
-    what = f"{most} absorbs {against(gain, the_rigid(reference))} ({known}{own} against {its} {unit})"
+    what = f"{most} absorbs {against(gain, the_rigid(reference), decimals)} ({known}{own} against {its} {unit})"
     least, elsewhere = min(float(line["best_gain_percent"]) for line in shown), ""
     if count > 1 and least < 0:
         pays = len({line["sea"] for line in shown if float(line["best_gain_percent"]) > 0})
@@ -138,23 +148,6 @@ def limits_aside(pto: Mapping[str, Any]) -> str:
         return " of a linear take-off"
     limits = [float(pto.get(name, math.inf)) for name in ("force_limit", "stroke_limit")]
     return " without limits" if min(limits) < math.inf else ""
-
-
-def interval_text(low: float | None, high: float | None) -> str:
-    """Return an interval in per cent, to as many decimals as tell its ends apart; empty without one, or of no width.
-
-    Examples
-    --------
-    >>> interval_text(-3.64, 1.2), interval_text(4.4012, 4.4047)
-    ('-3.6 to +1.2 %', '+4.401 to +4.405 %')
-    """
-    if low is None or high is None or low == high:
-        return ""
-    for digits in range(1, DIGITS + 1):
-        ends = [f"{round(end, digits) + 0.0:+.{digits}f}" for end in (low, high)]
-        if ends[0] != ends[1]:
-            return f"{ends[0]} to {ends[1]} %"
-    return f"{(low + high) / 2:+z.1f} %, exact to 1e-{DIGITS} points"
 
 
 USEFUL = "a design absorbs at least 5 % of the maximum"
@@ -228,7 +221,7 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
         for line in (line for line in lines if line["sea"] == name):
             known = line["gain_percent"] is not None and line["design"] != reference
             ends = () if known else (line["power_low"], line["power_high"])
-            parts.append(f"{line['design']} {power(line['power'], *ends)}{gain_text(line) if known else ''}")
+            parts.append(f"{line['design']} {power(line['power'], *ends)}{gain_in_brackets(line) if known else ''}")
         statements.append(f"In {seas[name]}, no take-off within its limits absorbs more than: {', '.join(parts)}.")
     return statements
 
@@ -243,14 +236,15 @@ AT_FORCE = (
 def at_force_table(lines: Lines) -> list[list[str]]:
     """Return the cells of the table of causal control, of lines of `vsb.results.gains.AtForce`."""
 
-    def percent(value: float | None) -> str:
-        return "-" if value is None else f"{value:+z.1f}"
+    def percent(value: float | None, *ends: float | None) -> str:
+        return "-" if value is None else gain_text(value, *ends)
 
     damper = {True: "", False: " (the damper)"}
     return [
         [
             line["design"], line["sea"], "-" if line["force_rms"] is None else plain(line["force_rms"]),
-            plain(line["power"]) + damper[line["damper"] is None], percent(line["gain_percent"]),
+            plain(line["power"]) + damper[line["damper"] is None],
+            percent(line["gain_percent"], line["low"], line["high"]),
             interval_text(line["low"], line["high"]) or "-", plain(line["damper_power"]),
             percent(line["damper_gain_percent"]),
         ]
@@ -286,16 +280,20 @@ def knowledge_text(lines: Lines) -> str:
     return f"It knows {ahead}, and measures with noise of {10 * math.log10(noise):.0f} dB of the waves' force."
 
 
-def gain_text(line: Mapping[str, Any], gain: str = "gain_percent", ends: tuple[str, str] = ("low", "high")) -> str:
+def gain_in_brackets(
+    line: Mapping[str, Any], gain: str = "gain_percent", ends: tuple[str, str] = ("low", "high")
+) -> str:
     """Return a gain in brackets, with its interval if there is one."""
-    interval = interval_text(*(None if line.get(end) in MISSING else float(line[end]) for end in ends))
-    return f" ({float(line[gain]):+z.1f} %{interval and f'; {interval}'})"
+    low, high = (None if line.get(end) in MISSING else float(line[end]) for end in ends)
+    interval = interval_text(low, high)
+    return f" ({gain_text(float(line[gain]), low, high)} %{interval and f'; {interval}'})"
 
 
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
     (own, its), unit = watts([line["best_power"], base["best_power"]])
-    return f"{against(line['best_gain_percent'], the_rigid(base['design']))} ({own} against {its} {unit})"
+    decimals = gain_decimals(line.get("best_low"), line.get("best_high"))
+    return f"{against(line['best_gain_percent'], the_rigid(base['design']), decimals)} ({own} against {its} {unit})"
 
 
 def shares_text(lines: Lines, sea: str, unit: str) -> str:
@@ -337,16 +335,20 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     def text(value: float | None, form: str = "", factor: float = 1.0) -> str:
         return "-" if value is None else format(factor * value, form) if form else plain(value)
 
+    def gain(value: float | None, *ends: float | None) -> str:
+        return "-" if value is None else gain_text(value, *ends)
+
     return [
         [
             line["design"], line["sea"],
-            text(line["best_gain_percent"], "+z.1f"), interval_text(line.get("best_low"), line.get("best_high")) or "-",
+            gain(line["best_gain_percent"], *best), interval_text(*best) or "-",
             text(line["best_power"]), text(line["best_damping"]),
-            text(line["gain_percent"], "+z.1f"), interval_text(line.get("low"), line.get("high")) or "-",
+            gain(line["gain_percent"], *given), interval_text(*given) or "-",
             text(line["power"]), text(line["damping"]),
             text(line["share"], ".1f", 100.0),
         ]
         for line in lines
+        for best, given in [((line.get("best_low"), line.get("best_high")), (line.get("low"), line.get("high")))]
     ]  # fmt: skip
 
 
@@ -375,11 +377,12 @@ def closing_line(
 def _range(lines: Lines, of: str) -> str:
     """One gain with its interval, or the smallest and the largest of several [%]; `of` is what keys begin with."""
     gains = [line[f"{of}gain_percent"] for line in lines]
-    low, high = (f"{bound:+z.1f}" for bound in (min(gains), max(gains)))
     if len(lines) > 1:
+        low, high = map(gain_text, (min(gains), max(gains)))
         return f"{low} %" if low == high else f"{low} to {high} %"
-    interval = interval_text(lines[0].get(f"{of}low"), lines[0].get(f"{of}high"))
-    return f"{low} %{interval and f' ({interval})'}"
+    ends = lines[0].get(f"{of}low"), lines[0].get(f"{of}high")
+    interval = interval_text(*ends)
+    return f"{gain_text(gains[0], *ends)} %{interval and f' ({interval})'}"
 
 
 def _most_absorbed(lines: Lines, invalid: Lines, aside: str) -> str:

@@ -14,7 +14,7 @@ from vsb.report.doubts import ADVICE
 from vsb.results.campaign import GAIN, POWER, in_time
 from vsb.results.year import POWER_ENDS
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
-from vsb.tools.words import against, quantity, short, the_rigid
+from vsb.tools.words import against, gain_decimals, quantity, short, the_rigid
 
 TUNED = {
     "one": "each design at its optimal damping for the year",
@@ -92,12 +92,13 @@ def _absorbed(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     kind = "flexible design" if of_shells(ds) else "other design"
     subject = f"the best {kind}, {design}{at_point(one)}," if many else f"{design}"
-    interval = f"{low:+z.1f} to {high:+z.1f} % by {by}{beside}"
+    digits = gain_decimals(low, high)
+    interval = f"{low:+z.{digits}f} to {high:+z.{digits}f} % by {by}{beside}"
     energies = _energy(one, tuning), _energy(rigid, tuning)
     decimals = max(0, 3 - math.floor(math.log10(max(energies))))
     both = " against ".join(f"{energy:.{decimals}f}" for energy in energies) + " MWh"
     other = the_rigid(str(reference)) if of_shells(ds) else str(reference)
-    return f"{subject} absorbs {against(gain, other)} ({interval}; {both})"
+    return f"{subject} absorbs {against(gain, other, digits)} ({interval}; {both})"
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:

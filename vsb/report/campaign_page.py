@@ -34,7 +34,7 @@ from vsb.report.interactive import as_script
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import kind_of
-from vsb.tools.words import plain, short
+from vsb.tools.words import gain_text, plain, short
 
 CAPTIONS = {
     "spectra": "Spectra of the year: mean, median at each frequency, and the range between the 10 % and 90 % "
@@ -268,7 +268,8 @@ def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     if _has_runs(one):
         low, high = (float(end) for end in reported_bounds(one, one.attrs["verified_tuning"]))
         known = tuning == one.attrs["verified_tuning"] and not np.isnan(low)
-        gains.append(f"{float(reported_gain(one, tuning)):+z.1f} ({low:+z.1f} to {high:+z.1f})" if known else "-")
+        texts = [gain_text(value, low, high) for value in (float(reported_gain(one, tuning)), low, high)]
+        gains.append("{} ({} to {})".format(*texts) if known else "-")
     numbers = [_cell(float(one.annual_energy)), _cell(float(one.capture_width), ".3g")]
     numbers += [_cell(float(one.force_rms) / 1e3)] if "force_rms" in one else []
     numbers += [_matrix(one.damper_matrix.values)] if "damper_matrix" in one else []

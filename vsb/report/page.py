@@ -21,7 +21,7 @@ from vsb.report.answer import (
     at_force_table,
     damping_in_words,
     elsewhere_table,
-    gain_text,
+    gain_in_brackets,
     headline,
     knowledge_text,
     limited_statements,
@@ -39,7 +39,7 @@ from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
-from vsb.tools.words import multiple, plain, power, superscripts, the_rigid
+from vsb.tools.words import gain_decimals, multiple, plain, power, superscripts, the_rigid
 
 Measure = tuple[str, str, float, str]
 """Column of the comparison, its head, factor to the unit shown, format."""
@@ -218,7 +218,7 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
     if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    return gain_text(line, ends=("gain_low", "gain_high"))
+    return gain_in_brackets(line, ends=("gain_low", "gain_high"))
 
 
 def _absorbed(row: dict[str, Any]) -> str:
@@ -234,7 +234,7 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], *, still: bool
         gains = [f"{row['design']} {100 * (float(row['energy']) / own - 1):+z.1f} %" for row in others if own > 0]
     else:
         known = [row for row in others if row["power_gain_percent"] not in MISSING]
-        gains = [f"{row['design']}{gain_text(row, 'power_gain_percent')}" for row in known]
+        gains = [f"{row['design']}{gain_in_brackets(row, 'power_gain_percent')}" for row in known]
     return f" (against {base['design']}: {', '.join(gains)})" if gains else ""
 
 
@@ -289,11 +289,15 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
         low, high = line[f"{name}_low"], line[f"{name}_high"]
         return "-" if low in MISSING else f"{_cell(low, form)} to {_cell(high, form)}"
 
+    def form(line: dict[str, Any]) -> str:
+        ends = [None if line[end] in MISSING else float(line[end]) for end in ("gain_low", "gain_high")]
+        return f"+z.{gain_decimals(*ends)}f"
+
     return [
         [
             *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
             _cell(line["power_mean"]), bounds(line, "power"),
-            _cell(line["gain_percent"], "+z.1f"), bounds(line, "gain", "+z.1f"), _cell(line["power_linear"]),
+            _cell(line["gain_percent"], form(line)), bounds(line, "gain", form(line)), _cell(line["power_linear"]),
             _cell(line["record_power_mean"]), _cell(line["power_linear_record"]),
             _cell(line["record_gain_percent"], "+z.1f"),
         ]

@@ -6,14 +6,13 @@ from typing import Any, NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.report.answer import interval_text
 from vsb.report.campaign_answer import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
 from vsb.report.svg import drawn
 from vsb.tools.ports import FORCE
 from vsb.tools.tables import csv_text
-from vsb.tools.words import plain, superscripts
+from vsb.tools.words import gain_decimals, interval_text, plain, superscripts
 
 
 class Line(NamedTuple):
@@ -147,11 +146,11 @@ def answer(lines: Sequence[Line]) -> str:
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
         subject, rigid = f"in {_place(best)}: design {best.design} absorbs", f"the rigid one ({TUNED[best.tuning]})."
-        interval = interval_text(best.low, best.high)
+        interval, decimals = interval_text(best.low, best.high), gain_decimals(best.low, best.high)
         known = f" ({interval})" if interval else ""
         if gain >= EQUAL:
-            return f"Flexibility brings most {subject} {gain:.1f} % more{known} than {rigid}"
-        how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less{known} than"
+            return f"Flexibility brings most {subject} {gain:.{decimals}f} % more{known} than {rigid}"
+        how = "as much as" if gain > -EQUAL else f"{-gain:.{decimals}f} % less{known} than"
         return f"Flexibility brings nothing here; at best, {subject} {how} {rigid}"
     powers = [(line.power_mean, line) for line in lines if line.power_mean is not None]
     if not powers:

@@ -130,6 +130,51 @@ def gains_within(values: Sequence[tuple[float, float, float]]) -> list[str]:
     return [f"{value:+z.{digits}f} % ({low:+z.{digits}f} to {high:+z.{digits}f} %)" for value, low, high in values]
 
 
+GAIN_DIGITS = 5
+"""Most decimals of a gain in per cent."""
+
+
+def gain_decimals(low: float | None, high: float | None) -> int:
+    """Return the decimals that tell the ends of an interval of a gain [%] apart; one without an interval.
+
+    Examples
+    --------
+    >>> gain_decimals(-3.64, 1.2), gain_decimals(4.4012, 4.4047), gain_decimals(None, None)
+    (1, 3, 1)
+    """
+    if low is None or high is None:
+        return 1
+    apart = (digits for digits in range(1, GAIN_DIGITS + 1) if round(low, digits) != round(high, digits))
+    return next(apart, 1)
+
+
+def gain_text(gain: float, low: float | None = None, high: float | None = None) -> str:
+    """Return a gain [%] with its sign, to the decimals of its interval.
+
+    Examples
+    --------
+    >>> gain_text(1.021, 1.012, 1.029), gain_text(1.021)
+    ('+1.02', '+1.0')
+    """
+    return f"{gain:+z.{gain_decimals(low, high)}f}"
+
+
+def interval_text(low: float | None, high: float | None) -> str:
+    """Return an interval of a gain in per cent; empty without one, or of no width.
+
+    Examples
+    --------
+    >>> interval_text(-3.64, 1.2), interval_text(4.4012, 4.4047)
+    ('-3.6 to +1.2 %', '+4.401 to +4.405 %')
+    """
+    if low is None or high is None or low == high:
+        return ""
+    ends = [gain_text(end, low, high) for end in (low, high)]
+    if ends[0] == ends[1]:
+        return f"{ends[0]} %, exact to 1e-{GAIN_DIGITS} points"
+    return f"{ends[0]} to {ends[1]} %"
+
+
 def power(value: float, low: float | None = None, high: float | None = None) -> str:
     """Return a power [W] to four digits with a unit that suits it, and with its interval if it has one.
 
@@ -155,8 +200,8 @@ def the_rigid(name: str) -> str:
     return "the rigid one" if name == "rigid" else f"the rigid {name}"
 
 
-def against(gain: float, other: str) -> str:
+def against(gain: float, other: str, decimals: int = 1) -> str:
     """Return a gain over another design [%] in words."""
     if abs(gain) < SAME:
         return f"as much as {other}"
-    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {other}"
+    return f"{abs(gain):.{decimals}f} % {'more' if gain > 0 else 'less'} than {other}"
