@@ -1,6 +1,7 @@
 """The command line: one line and exit code 2 for every error of a user, before any work and without half-written files."""
 
 import io
+import os
 import re
 import shutil
 import subprocess
@@ -331,3 +332,15 @@ def test_results_lie_where_they_are_asked_for(capsys, tmp_path):
     folder = str(tmp_path / "elsewhere")
     assert main(["check", str(EXAMPLE), "--results", folder]) == 0
     assert f"database     {folder}/hydro/db/" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "follows"), [("vsb ch", {"check "}), ("vsb run --q", {"--quiet "}), ("vsb check m", {"my.yaml "})]
+)
+def test_a_shell_is_told_what_may_follow(tmp_path, monkeypatch, line, follows):
+    monkeypatch.chdir(tmp_path)
+    Path("my.yaml").touch()
+    asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "COMP_LINE": line, "COMP_POINT": str(len(line))}
+    asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": "found"}
+    subprocess.run([sys.executable, "-m", "vsb"], env={**os.environ, **asked}, check=True)
+    assert {*Path("found").read_text().split("\n")} == follows

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+import argcomplete
+
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.quantities import Section
@@ -472,7 +474,9 @@ def _mistake(text: str, config: str | None = None) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
-    return answer(parser(), argv)
+    line = parser()
+    argcomplete.autocomplete(line)  # ends here if a shell asks what may follow
+    return answer(line, argv)
 
 
 def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
