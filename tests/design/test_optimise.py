@@ -64,7 +64,7 @@ def test_limits_that_leave_no_buoy_are_named_with_the_bound_they_conflict_with()
     """|x| of at most 0.3 where x is at least 0.5: the nearest is (0.5, 0), 67 % too large, after a few evaluations."""
     of = problem(nearest, {"mass": 0.3})
     found = optimised(of, of.at(of.place([6.0, 3.0])))
-    assert not found.accepted
+    assert found.accepted is False  # no number of numpy, which JSON knows not
     assert (
         found.message
         == "no buoy keeps the limits: the nearest has mass exceeded by 67 %, device.mass at its lower bound, 0.5"
@@ -134,7 +134,7 @@ def test_a_saddle_is_not_accepted():
 
     of = problem(saddle)
     found = optimised(of, of.at(np.array([0.9, 0.5])))  # on the line along which the saddle is a maximum
-    assert not found.accepted
+    assert found.accepted is False  # no number of numpy, which JSON knows not
     assert "saddle" in found.message
 
 
@@ -158,7 +158,7 @@ def test_an_optimum_beyond_the_last_shell_that_rests_is_shown_and_not_accepted()
 
     of = problem(partly)
     found = optimised(of, of.at(np.array([0.05, 0.6])))
-    assert not found.accepted
+    assert found.accepted is False  # no number of numpy, which JSON knows not
     assert "first-order" in found.message
     assert found.point.values[0] <= 2.5
 

@@ -229,7 +229,7 @@ def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curva
     if problem.maximise in OF_POWER:
         named |= point.evaluation.worth
     saddle = curved is not None and curved.saddle
-    accepted = kkt <= KKT and point.violation <= VIOLATION and not saddle
+    accepted = bool(kkt <= KKT and point.violation <= VIOLATION) and not saddle
     worst = problem.limit_names[int(point.excess.argmax())] if point.excess.size else ""
     why = "" if accepted else _why(kkt, point, worst, saddle=saddle, message=message)
     return Optimum(
