@@ -215,10 +215,10 @@ def _floating_buoy(study: AnyBuoy, database_path: str, highest: int) -> Floating
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
-    orders = order_bases(study, basis)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
     ds, shape = stored_with_rings(study, ds, shape, highest)
     basis = shape.basis
+    orders = order_bases(study, basis)
     port = port_direction(study.pto.port, shape, orders)
     damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell
     buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())

@@ -71,11 +71,12 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
     `ConfigError` if the clamps leave no shell mode free.
     """
     chosen, clamps = study.designs[design], np.deg2rad(study.designs[design].clamp)
-    others = (order.allowed(chosen.flexible, clamps) for order in order_bases(study, basis))
+    loaded = loaded_at_ring(study, design)
+    others = (order.allowed(chosen.flexible, clamps, loaded) for order in order_bases(study, basis))
     if not chosen.flexible:
         return side_by_side(np.eye(len(basis.labels), 1), *others)
     free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
-    if basis.rings and not loaded_at_ring(study, design):
+    if basis.rings and not loaded:
         free = free[:, : -len(basis.rings.labels)]
     if free.shape[1] < 2:
         raise ConfigError(

@@ -12,13 +12,23 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from vsb.engine.hydro.orders import ORDER
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.take_off import BetweenPort, PortChoice, SeveralPorts, ShellPort, StrainPort
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.modes import ModeBasis
-from vsb.engine.shell.rings import HIGHEST, BeltLoad, RingLoad, RingModes, along_wall, normal_to_wall, vertical
+from vsb.engine.shell.rings import (
+    HIGHEST,
+    BeltLoad,
+    RingLoad,
+    RingModes,
+    along_wall,
+    around_axis,
+    normal_to_wall,
+    vertical,
+)
 from vsb.engine.shell.shell import Shell
-from vsb.models.rest import loaded_shell
+from vsb.models.rest import loaded_shell, order_bases, order_stiffness, side_by_side
 from vsb.study.specs import AnyBuoy
 
 KEPT = 12
@@ -31,13 +41,29 @@ Load = RingLoad | BeltLoad
 def ring_loads(study: AnyBuoy) -> tuple[Load, ...]:
     """Return the loads at rings of all designs, mooring and take-off, each once."""
     found: list[Load] = []
-    for angle in np.deg2rad(sorted({angle for design in study.designs.values() for angle in design.clamp})):
+    for angle in _clamps(study):
         found += [normal_to_wall(angle), along_wall(angle)]
     held = study.pto.held
     if held is not None and held.place == "ring":
         found.append(vertical(np.deg2rad(held.colatitude)))
     found += [load for port in _ports(study.pto.port) for load in _of_port(port)]
     return tuple(dict.fromkeys(load for load in found if load.moves))
+
+
+def order_loads(study: AnyBuoy) -> tuple[RingLoad, ...]:
+    """Return the loads at rings of all designs and take-off that go with cos(m theta), m >= 1, each once.
+
+    A clamp holds a ring also around the axis; a port between two points of a meridian pulls at them in its plane.
+    """
+    found = [way(angle) for angle in _clamps(study) for way in (normal_to_wall, along_wall, around_axis)]
+    between = [port for port in _ports(study.pto.port) if isinstance(port, BetweenPort)]
+    found += [load for port in between for load in _of_port(port) if isinstance(load, RingLoad) and load.moves]
+    return tuple(dict.fromkeys(found))
+
+
+def _clamps(study: AnyBuoy) -> list[float]:
+    """Colatitudes of the clamps of all designs [rad]."""
+    return [float(np.deg2rad(at)) for at in sorted({at for one in study.designs.values() for at in one.clamp})]
 
 
 def _ports(port: PortChoice) -> list[PortChoice]:
@@ -87,7 +113,14 @@ def with_rings(
     if highest <= max(above, 1):
         return reference
     rings = _ring_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
-    whole = replace(basis, rings=rings)
+    further = order_loads(study)
+    orders = range(1, 1 + (study.modes.order if study.motion != "heave" and further else 0))
+    tension = _tension(study, reference, further)
+    whole = replace(
+        basis,
+        rings=rings,
+        order_rings=tuple(_ring_modes(basis.shell, above, further, tension, highest, m) for m in orders),
+    )
     stiffness = {name: np.pad(matrix, (0, len(rings.labels))) for name, matrix in reference.stiffness.items()}
     stiffness["structural"] = stiffness["structural"] + whole.of_rings(rings.stiffness)
     if "prestress" in stiffness:
@@ -97,10 +130,10 @@ def with_rings(
 
 @lru_cache(maxsize=KEPT)
 def _ring_modes(
-    shell: Shell, degree: int, loads: tuple[Load, ...], tension: tuple[float, ...], highest: int
+    shell: Shell, degree: int, loads: tuple[Load, ...], tension: tuple[float, ...], highest: int, order: int = 0
 ) -> RingModes:
     """Modes of rings; the last are kept, for members of a campaign that differ by their take-off have the same."""
-    return RingModes(shell, degree, loads, tension, highest)
+    return RingModes(shell, degree, loads, tension, highest, order)
 
 
 def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:
@@ -135,13 +168,23 @@ def stored_with_rings(study: AnyBuoy, database: xr.Dataset, shape: DeformedShell
     found = with_rings(study, ReferenceShell(shape, none), highest=highest)
     if found.basis.rings is None:
         return Stored(database, shape)
-    own = len(shape.basis.labels)
-    labels = list(map(str, database.influenced_dof.values))
-    labels = [*labels[:own], *found.basis.rings.labels, *labels[own:]]
+    families = order_bases(study, found.basis)
+    labels = [*found.basis.labels, *(label for one in families for label in one.labels)]
+    new = ~np.isin(labels, database.influenced_dof.values)
     whole = database.reindex(influenced_dof=labels, radiating_dof=labels, fill_value=0)
-    added = {f"{name}_stiffness": found.stiffness[name] for name in names}
-    added["inertia_matrix"] = found.basis.of_rings(found.basis.rings.inertia)
-    for name, matrix in added.items():
-        padded = np.pad(matrix, (0, len(labels) - len(matrix)))
-        whole[name] = whole[name] + xr.DataArray(padded, dims=PAIR, coords={dim: whole[dim] for dim in PAIR})
+    if families:
+        counts = [len(found.basis.labels), *(len(one.labels) for one in families)]
+        of = np.repeat([0, *(one.signed for one in families)], counts)
+        whole[ORDER] = whole[ORDER].copy(data=of)
+    own = {f"{name}_stiffness": found.stiffness[name] for name in names}
+    own["inertia_matrix"] = found.basis.of_rings(found.basis.rings.inertia)
+    own["hydrostatic_stiffness"] = np.zeros_like(own["inertia_matrix"])
+    stiffness = [order_stiffness(study, one, found) for one in families]
+    for name, matrix in own.items():
+        others = (
+            one.inertia if name == "inertia_matrix" else each[name.removesuffix("_stiffness")]
+            for one, each in zip(families, stiffness, strict=True)
+        )
+        added = np.where(np.logical_or.outer(new, new), side_by_side(matrix, *others), 0.0)
+        whole[name] = whole[name] + xr.DataArray(added, dims=PAIR, coords={dim: whole[dim] for dim in PAIR})
     return Stored(whole, found.shape)

@@ -17,7 +17,6 @@ from vsb.models.mode_convergence import (
     ModeConvergence,
     directed,
     mean_sea,
-    motion_of_port,
     take_offs,
 )
 from vsb.models.ports import BuoyOfShape
@@ -117,8 +116,10 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     if study.at_equilibrium:  # each degree has its own water
         share = np.maximum(share, SCATTER * SOLVED_EACH)
     expected = share[:, None, None] * before
-    alone = not has_attachment_modes(study) or motion_of_port(study) != "heave"
+    alone = not has_attachment_modes(study)
     far = np.array([reach_of_modes(study, one, convergence.finer) if alone else 1.0 for one in study.designs])
+    if 0 < convergence.finer - convergence.enough < convergence.enough:  # errors like 1/degree
+        far = far * convergence.enough / (convergence.finer - convergence.enough)
     reach = SAMPLED + far[:, None, None]
     power = _relative(by_all_modes(before, finer, reach, expected), before)
     gain = np.zeros_like(power)

@@ -19,9 +19,7 @@ WITHIN = 4.0
 rho g [-]."""
 AT_POINTS = 3.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
-RESOLVED = 60
-"""Highest degree of which the water is solved to 1e-3 around any shape, and in surge and pitch."""
-TURNS = 3.0
+TURNS = 5.0
 """The same of a port that surges or pitches with the buoy: the shell is a spring between water and ballast [-]."""
 MARGIN = 2.0
 """Over the change that is expected, 0.3 to 2.5 times of which was found of stiff spheres [-]."""
@@ -76,9 +74,7 @@ def degree_needed(study: AnyBuoy) -> int:
     factor = MARGIN * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
     enough = study.modes.tolerance / factor
     least = AT_POINTS * bending_degree(study) if _any(port, _between_points) else 0.0
-    heaving_sphere = study.device.shape is None and study.motion == "heave"
-    solved = [n for n in DEGREES if heaving_sphere or n <= RESOLVED]
-    return next((n for n in solved if n >= least and expected_change(study, n) <= enough), solved[-1])
+    return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])
 
 
 def _any(port: PortChoice, kind: Callable[[PortChoice], bool]) -> bool:

@@ -32,9 +32,8 @@ def order_shares(solved: Sequence[Displacement], basis: OrderBasis) -> FloatArra
     Meridional ones, along the surface, move no water; nor does pitch, about the sphere's centre. Raises `DatabaseError`
     if a displacement they need was not solved for.
     """
-    surge = [(1, 1.0), (1, 0.0)][: basis.rigid]  # and pitch
-    wanted = [*surge, *((mode.degree, mode.radial) for mode in basis.modes)]
-    needed = {Displacement("radial", degree, basis.order) for degree, _ in wanted}
+    wanted = basis.radial
+    needed = {Displacement("radial", degree, basis.order) for degree, share in wanted if share}
     if missing := sorted(each.label for each in needed - set(solved)):
         labels = [each.label for each in solved]
         raise DatabaseError(f"displacements {missing} of order {basis.order} are not among those solved, {labels}.")

@@ -276,7 +276,7 @@ def _between(choice: PortChoice, shape: DeformedShell, basis: OrderBasis) -> Flo
     if not isinstance(choice, BetweenPort) or basis.odd:  # whose shapes are none at theta = 0
         return np.zeros(len(basis.labels))
     at = np.deg2rad(choice.between)
-    v, u, _ = basis.field(at)
+    v, u, _ = basis.ring_field(at)
     m, sin, cos = shape.meridian(at), np.sin(at), np.cos(at)
     chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
     apart = np.array([np.diff(v * sin + u * cos)[:, 0], np.diff(v * cos - u * sin)[:, 0]])

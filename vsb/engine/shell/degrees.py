@@ -46,6 +46,20 @@ def mass_block(shell: Shell, degree: Degrees) -> FloatArray:
     return np.asarray(scale * _of_entries(1.0, 0.0, _product(degree)))
 
 
+def twisted(degree: IntArray) -> FloatArray:
+    """Return the stiffness of the twist of degrees by a shear stiffness of 1 N/m, shape (degree,) [-].
+
+    (n-1)(n+2) int |T grad S|^2 dA/r^2, the same of the tension p r/2 of an internal pressure p; n = 1 turns the sphere.
+    """
+    turns = degree * (degree + 1.0)
+    return np.asarray((turns - 2) * turns * _norm(degree)[..., 0, 0])
+
+
+def twisting_mass(shell: Shell, degree: IntArray) -> FloatArray:
+    """Return the mass of the twist of degrees, that of their displacements along the surface, shape (degree,) [kg]."""
+    return np.asarray(mass_block(shell, degree)[..., 1, 1])
+
+
 def _product(degree: Degrees) -> FloatArray:
     """The factor n (n + 1) of blocks."""
     n = np.asarray(degree, dtype=float)[..., None, None]

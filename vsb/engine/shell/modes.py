@@ -123,6 +123,7 @@ class ModeBasis:
     alpha: float = 0.0  # mass-proportional damping [1/s]
     beta: float = 0.0  # stiffness-proportional damping [s]
     rings: RingModes | None = None  # what higher degrees do under loads at rings
+    order_rings: tuple[RingModes, ...] = ()  # the same of azimuthal orders 1, 2, ..., see `vsb.engine.shell.orders`
 
     @cached_property
     def shapes(self) -> tuple[Mode, ...]:
@@ -267,7 +268,7 @@ class ModeBasis:
         """
         found = self.displacement(colatitude)
         if self.rings:
-            for part, own in zip(found, self.rings.displacement(colatitude), strict=True):
+            for part, own in zip(found, self.rings.displacement(colatitude)[:2], strict=True):
                 part[len(part) - len(own) :] = own
         return found
 

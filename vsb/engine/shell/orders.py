@@ -8,8 +8,9 @@ A shape of degree n is v = V S_n^m(cos phi) cos(m theta) along e_r, and along th
 unit sphere: u = U S' cos(m theta) along e_phi, w = -U m S/sin(phi) sin(m theta) along e_theta. S is Schmidt's
 semi-normalised function, sqrt(2 (n-m)!/(n+m)!) P_n^m. A closed sphere looks the same from every direction: in (V, U)
 its energies are those of m = 0, degree by degree. Surge is n = 1, V = U = 1. Pitch, about the sphere's centre, is no
-gradient; shapes of its kind, which twist the shell and move no water, are left out: neither strain nor inertia couples
-them to these.
+gradient; shapes of its kind twist the shell and move no water. Neither strain nor inertia couples them to these, but a
+clamp or a port at a ring does: what they and the gradients of higher degrees do under such loads is a mode of rings
+(`vsb.engine.shell.rings`).
 
 Prestress of the sphere for m >= 1: the membrane forces of the load at rest do work on the second-order part of Green's
 strains, half the squared gradient of the displacement along each line of the surface, and the internal pressure on the
@@ -30,6 +31,7 @@ from scipy.special import eval_gegenbauer, factorial2
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell
 from vsb.engine.shell.modes import SAME, Mode, ModeBasis, check_rank, largest_along, mass_of, stiffness_of
+from vsb.engine.shell.rings import RingModes
 from vsb.engine.shell.shell import Shell, gauss_rule
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
@@ -113,6 +115,7 @@ class OrderBasis:
     alpha: float = 0.0  # mass-proportional damping [1/s]
     beta: float = 0.0  # stiffness-proportional damping [s]
     odd: bool = False  # in y: going with sin(m theta)
+    rings: RingModes | None = None  # what twists and higher degrees do under loads at rings
 
     @property
     def signed(self) -> int:
@@ -132,7 +135,7 @@ class OrderBasis:
     @property
     def labels(self) -> tuple[str, ...]:
         """Names of the degrees of freedom."""
-        return (*RIGID[self.odd][: self.rigid], *(mode.label for mode in self.modes))
+        return (*RIGID[self.odd][: self.rigid], *(mode.label for mode in self._of_shell))
 
     def turned(self) -> "OrderBasis":
         """Return the odd family, this one turned by 90 degrees/m: Membrane3c2 becomes Membrane3s2."""
@@ -147,9 +150,26 @@ class OrderBasis:
         return signs
 
     @cached_property
+    def _of_shell(self) -> tuple[Mode, ...]:
+        """Its modes, then those of rings, whose radial displacements and gradients are too short to be seen."""
+        labels = self.rings.labels if self.rings else ()
+        family = "s" if self.odd else "c"
+        return (*self.modes, *(Mode(one.replace("c", family), self.order, 0.0, 0.0) for one in labels))
+
+    @cached_property
     def _shapes(self) -> tuple[Mode, ...]:
-        """All shapes but pitch: in order 1 surge, then the modes."""
-        return (Mode("Surge", 1, 1.0, 1.0), *self.modes) if self.rigid else self.modes
+        """All shapes but pitch: in order 1 surge, then those of the shell."""
+        return (Mode("Surge", 1, 1.0, 1.0), *self._of_shell) if self.rigid else self._of_shell
+
+    @property
+    def radial(self) -> list[tuple[int, float]]:
+        """Degree and amplitude of the radial displacement of each degree of freedom [-]; of pitch none."""
+        surge = [(1, 1.0), (1, 0.0)][: self.rigid]
+        return [*surge, *((mode.degree, mode.radial) for mode in self._of_shell)]
+
+    def of_rings(self, matrix: FloatArray) -> FloatArray:
+        """Return a matrix over the modes of rings as one over all degrees of freedom, shape (dof, dof)."""
+        return np.pad(matrix, (len(self.labels) - len(matrix), 0))
 
     def _with_pitch(self, matrix: FloatArray, row: FloatArray) -> FloatArray:
         """A matrix over the shapes with the row and column of pitch, `row` over (pitch, shapes); none of m > 1."""
@@ -172,14 +192,14 @@ class OrderBasis:
         mass is that of the sphere. Pitch and shapes of the shell do not couple: one is a curl, the others gradients.
         """
         matrix = self._shell_mass.copy()
-        if not self.rigid:
-            return matrix
-        mass, centre, own, _ = self.ballast
-        matrix[0, 0] = mass
-        pitch = 2 / 3 * self.shell.mass * self.shell.radius**2 + own
-        if centre:
-            pitch += (mass * centre) ** 2 / (mass - self.shell.mass)
-        return self._with_pitch(matrix, np.array([pitch, mass * centre, *np.zeros(len(self.modes))]))
+        if self.rigid:
+            mass, centre, own, _ = self.ballast
+            matrix[0, 0] = mass
+            pitch = 2 / 3 * self.shell.mass * self.shell.radius**2 + own
+            if centre:
+                pitch += (mass * centre) ** 2 / (mass - self.shell.mass)
+            matrix = self._with_pitch(matrix, np.array([pitch, mass * centre, *np.zeros(len(self._of_shell))]))
+        return matrix + self.of_rings(self.rings.inertia) if self.rings else matrix
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -187,7 +207,8 @@ class OrderBasis:
         matrix = stiffness_of(self.shell, self._shapes, bending=self.bending)
         if self.rigid:
             matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
-        return self._with_pitch(matrix, np.zeros(1 + len(self._shapes)))
+        matrix = self._with_pitch(matrix, np.zeros(1 + len(self._shapes)))
+        return matrix + self.of_rings(self.rings.stiffness) if self.rings else matrix
 
     @property
     def damping(self) -> FloatArray:
@@ -204,20 +225,46 @@ class OrderBasis:
     def field(self, colatitude: FloatArray, derivative: int = 0) -> Field:
         """Return displacements per unit amplitude, or their derivative by colatitude (0 or 1).
 
+        Of the modes of rings what the water sees, their twists of low degrees; see `ring_field`.
+
         Parameters
         ----------
         colatitude : ndarray, shape (point,) [rad]
         """
         m, sin, cos = self.order, np.sin(colatitude), np.cos(colatitude)
-        rows = []
+        rows, known = [], dict[int, FloatArray]()
         for mode in self._shapes:
-            s, ds, dds, *around = semi_normalised(mode.degree, m, colatitude)
+            if mode.degree not in known:
+                known[mode.degree] = semi_normalised(mode.degree, m, colatitude)
+            s, ds, dds, *around = known[mode.degree]
             v, u = ((s, ds), (ds, dds))[derivative]
             rows.append((mode.radial * v, mode.meridional * u, -m * mode.meridional * around[derivative]))
+        if self.rings:
+            own = len(rows) - len(self.rings.labels)
+            rows[own:] = zip(*self._twisted(colatitude, derivative), strict=True)
         if self.rigid:
             r, zero = self._signs[1] * self.shell.radius, 0.0 * cos
             rows.insert(1, ((zero, r + zero, -r * cos), (zero, zero, r * sin))[derivative])
         return Field(*(np.array([row[i] for row in rows]).reshape(len(rows), len(sin)) for i in range(3)))
+
+    def _twisted(self, colatitude: FloatArray, derivative: int) -> Field:
+        """Displacements of the modes of rings by their twists of low degrees, or the derivatives of these."""
+        assert self.rings is not None
+        degrees, amplitudes = self.rings.twists
+        none = np.zeros((len(self.rings.labels), len(colatitude)))
+        if not len(degrees):
+            return Field(none, none, none)
+        tables = np.array([semi_normalised(int(n), self.order, colatitude) for n in degrees])
+        around, slope = self.order * tables[:, 3 + derivative], tables[:, 1 + derivative]
+        return Field(none, amplitudes.T @ around, -amplitudes.T @ slope)
+
+    def ring_field(self, colatitude: FloatArray) -> Field:
+        """Return displacements of rings per unit amplitude, those by the modes of rings as a whole; see `field`."""
+        found = self.field(colatitude)
+        if self.rings:
+            for part, own in zip(found, self.rings.displacement(colatitude), strict=True):
+                part[len(part) - len(own) :] = own
+        return found
 
     def curvatures(self, colatitude: FloatArray) -> Field:
         """Return changes of curvature kappa_phi, kappa_theta and twice the twist per unit amplitude [1/m^2].
@@ -255,7 +302,7 @@ class OrderBasis:
             even = replace(self, odd=False).hydrostatic_stiffness(centre_height, density, gravity)
             return np.asarray(even * np.outer(self._signs, self._signs))
         low = np.arccos(np.clip(-centre_height / self.shell.radius, -1.0, 1.0))
-        node, weight = gauss_rule(2 * max(mode.degree for mode in self._shapes) + 30)
+        node, weight = gauss_rule(2 * self.highest_degree + 30)
         phi, dphi = (low + np.pi) / 2 + (np.pi - low) / 2 * node, (np.pi - low) / 2 * weight
         r, m, sin, cos = self.shell.radius, self.order, np.sin(phi), np.cos(phi)
         (v, u, w), (dv, du, _) = self.field(phi), self.field(phi, derivative=1)
@@ -284,11 +331,11 @@ class OrderBasis:
         The shell does not move relative to the frame, sphere centre and ballast, there. Only shapes of order 1 move a
         pole, along the surface.
         """
-        rows = np.concatenate([part.T for part in self.field(np.array(list(colatitudes), dtype=float))])
+        rows = np.concatenate([part.T for part in self.ring_field(np.array(list(colatitudes), dtype=float))])
         rows[:, : self.rigid] = 0.0
         return np.where(np.abs(rows) > SAME, rows, 0.0)
 
-    def allowed(self, flexible: bool, colatitudes: Iterable[float] = ()) -> FloatArray:
+    def allowed(self, flexible: bool, colatitudes: Iterable[float] = (), loaded: bool = True) -> FloatArray:
         """Return an orthonormal basis of the motions of a design, shape (dof, free), rigid motions first.
 
         Parameters
@@ -297,12 +344,15 @@ class OrderBasis:
             Whether the shell moves.
         colatitudes : iterable of float [rad]
             Of its clamps, whose `clamp_rows` times the motions vanish.
+        loaded : bool
+            Whether anything loads the shell at a ring; else modes of rings are at rest.
         """
         if not flexible:
             return np.eye(len(self.labels), self.rigid)
         rows = self.clamp_rows(colatitudes)[:, self.rigid :]
         if not (rows.size and rows.any()):
-            return np.eye(len(self.labels))
+            at_rest = len(self.rings.labels) if self.rings and not loaded else 0
+            return np.eye(len(self.labels), len(self.labels) - at_rest)
         _, _, vt = svd(rows, full_matrices=True)
         held = check_rank(rows)
         free = np.eye(len(self.labels), self.rigid + len(vt) - held)
@@ -373,7 +423,8 @@ def order_basis(basis: ModeBasis, order: int, ballast: Ballast) -> OrderBasis:
     Labels are those of m = 0 with `c` and the order: Membrane3c2 goes with cos(2 theta).
     """
     modes = tuple(_scaled(mode, order) for mode in basis.modes if mode.degree >= order)
-    return OrderBasis(basis.shell, order, modes, ballast, basis.bending, basis.alpha, basis.beta)
+    rings = dict(enumerate(basis.order_rings, 1)).get(order)
+    return OrderBasis(basis.shell, order, modes, ballast, basis.bending, basis.alpha, basis.beta, rings=rings)
 
 
 def all_clamp_rows(clamps: Iterable[float], basis: ModeBasis, orders: Iterable[OrderBasis]) -> FloatArray:
@@ -404,8 +455,10 @@ def geometric_stiffness(
     along = (dv - u, du + v, dw)
     around = (-m * v - w * sin, -m * u - w * cos, m * w + v * sin + u * cos)
     by_phi, by_theta = area * meridional / (2 * r**2), area * hoop / (2 * (r * sin) ** 2)
-    found = sum((by_phi * one) @ one.T for one in along) + sum((by_theta * one) @ one.T for one in around)
-    return _of_shapes(basis, np.asarray(found))
+    found = np.asarray(sum((by_phi * one) @ one.T for one in along) + sum((by_theta * one) @ one.T for one in around))
+    if basis.rings:
+        found = found + basis.of_rings(basis.rings.prestress)
+    return _of_shapes(basis, found)
 
 
 def volume_hessian(basis: OrderBasis) -> FloatArray:

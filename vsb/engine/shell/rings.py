@@ -9,16 +9,27 @@ degree. One further shape for each load,
 
 is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves hardly any water, its
 wavelengths being short, and none is counted.
+
+Loads that go with cos(m theta), m >= 1, do the same: of radial displacements and gradients along the surface a degree
+has the stiffness it has for m = 0 (`vsb.engine.shell.orders`). They also twist the wall,
+
+    u = T m S/sin(phi) along e_phi,  w = -T S' along e_theta,
+
+which moves no water and couples with nothing but such loads and the weight of still water, so that all degrees of it
+from 2 on answer here: the lowest by themselves, for water softens them, the others with the static response. Its energy
+is that of shear, G h (n-1)(n+2) int (u^2 + w^2) dA/r^2; a tension p r/2 adds to G h.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import legendre_p_all
+from scipy.linalg import block_diag
+from scipy.special import factorial2, legendre_p_all
 
-from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block, tension_block
+from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block, tension_block, twisted, twisting_mass
 from vsb.engine.shell.shell import Shell
 from vsb.tools.arrays import FloatArray, IntArray
 
@@ -26,6 +37,8 @@ HIGHEST = 4000
 """Degree to which responses are summed; what is left of a sum is N/HIGHEST of it."""
 AT_POLE = 1e-9
 """Sine of a colatitude below which nothing moves along the meridian, by symmetry [-]."""
+TWISTS = 4
+"""Degree up to which twists are degrees of freedom of their own."""
 SAME = 1e-10
 """Part of the largest compliance of a combination of loads below which it repeats others [-]."""
 
@@ -36,16 +49,22 @@ class RingLoad(NamedTuple):
     colatitude: float  # [rad]
     radial: float  # its direction [-]
     meridional: float
+    azimuthal: float = 0.0
 
     @property
     def moves(self) -> bool:
-        """Whether it moves the shell: at a pole only if it is radial, by symmetry."""
+        """Whether it moves the shell, if it is the same all around: at a pole only if it is radial, by symmetry."""
         return bool(self.radial) or abs(np.sin(self.colatitude)) > AT_POLE
 
-    def rows(self, degrees: IntArray) -> FloatArray:
-        """Return its work on radial and meridional amplitudes of degrees, shape (degree, 2) [-]."""
-        p, slope = _legendre(degrees, np.array([self.colatitude]))
-        return np.hstack([self.radial * p, self.meridional * slope])
+    def rows(self, degrees: IntArray, order: int = 0) -> FloatArray:
+        """Return its work on radial and surface amplitudes of degrees, (degree, 2) [-]; of order m it goes with cos."""
+        s, slope, around = _harmonics(degrees, order, np.array([self.colatitude]))
+        return np.hstack([self.radial * s, self.meridional * slope - self.azimuthal * around])
+
+    def twist_rows(self, degrees: IntArray, order: int) -> FloatArray:
+        """Return its work on the twist of degrees, shape (degree,) [-]."""
+        _, slope, around = _harmonics(degrees, order, np.array([self.colatitude]))
+        return np.asarray((self.meridional * around - self.azimuthal * slope)[:, 0])
 
 
 class BeltLoad(NamedTuple):
@@ -67,14 +86,17 @@ class BeltLoad(NamedTuple):
         ends = np.sin([self.upper, self.lower])
         return bool(np.abs(ends).max() > AT_POLE) or self.hoop != self.meridional
 
-    def rows(self, degrees: IntArray) -> FloatArray:
+    def rows(self, degrees: IntArray, order: int = 0) -> FloatArray:
         """Return its work on radial and meridional amplitudes of degrees times the radius, shape (degree, 2) [-].
+
+        Of order 0: a mean over the belt has no other.
 
         Strains are (u cot phi + v)/r and (u' + v)/r, their means over the sphere's belt integrals in closed form, as
         (sin phi P_n')' = -n(n+1) sin phi P_n.
         """
+        assert order == 0
         ends = np.array([self.upper, self.lower])
-        p, slope = _legendre(degrees, ends)
+        p, slope, _ = _harmonics(degrees, 0, ends)
         edges = np.diff(slope * np.sin(ends))[:, 0]
         radial = -edges / (degrees * (degrees + 1))
         around = np.diff(p * np.cos(ends))[:, 0] + radial
@@ -90,6 +112,11 @@ def normal_to_wall(colatitude: float) -> RingLoad:
 def along_wall(colatitude: float) -> RingLoad:
     """Return a meridional load at a colatitude [rad]."""
     return RingLoad(float(colatitude), 0.0, 1.0)
+
+
+def around_axis(colatitude: float) -> RingLoad:
+    """Return a load along the ring at a colatitude [rad], which goes with sin(m theta) where others go with cos."""
+    return RingLoad(float(colatitude), 0.0, 0.0, 1.0)
 
 
 def vertical(colatitude: float) -> RingLoad:
@@ -112,11 +139,13 @@ class RingModes:
         Membrane force along the meridian at each ring, of a shell under load [N/m].
     highest : int
         Degree to which they are summed.
+    order : int
+        Azimuthal order m, of loads and modes.
 
     Notes
     -----
-    They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in three directions, have
-    no modes of their own.
+    They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in more directions than it
+    moves in, have no modes of their own.
     """
 
     shell: Shell
@@ -124,11 +153,13 @@ class RingModes:
     loads: tuple[RingLoad | BeltLoad, ...]
     tension: tuple[float, ...]
     highest: int = HIGHEST
+    order: int = 0
 
     @property
     def labels(self) -> tuple[str, ...]:
         """Names of the modes."""
-        return tuple(f"Ring{i}" for i in range(1, self._combinations.shape[1] + 1))
+        of_order = f"c{self.order}" if self.order else ""
+        return tuple(f"Ring{i}{of_order}" for i in range(1, self._combinations.shape[1] + 1))
 
     @cached_property
     def _degrees(self) -> IntArray:
@@ -136,15 +167,41 @@ class RingModes:
         return np.arange(max(self.degree, 1) + 1, self.highest + 1)
 
     @cached_property
+    def _twists(self) -> IntArray:
+        """The degrees that twist: all from 2 on, for none of them are among the modes."""
+        return np.arange(max(2, self.order), self.highest + 1) if self.order else np.arange(0)
+
+    @cached_property
+    def _own(self) -> int:
+        """How many of them are degrees of freedom of their own."""
+        return int(np.sum(self._twists <= min(self.degree, TWISTS)))
+
+    @property
+    def _beyond(self) -> IntArray:
+        """The places of those above N."""
+        return np.flatnonzero(self._twists > max(self.degree, 1))
+
+    @cached_property
     def _responses(self) -> FloatArray:
-        """Radial and meridional amplitudes of each degree under each load, shape (degree, 2, load) [m/N]."""
+        """Radial and surface amplitudes of each degree under each load, none of twists, (degree, 2, shape) [m/N]."""
         n = self._degrees
-        rows = np.stack([load.rows(n) for load in self.loads], axis=-1)
+        rows = np.stack([load.rows(n, self.order) for load in self.loads], axis=-1)
         elastic, stretched, found = self._elastic, tension_block(n), np.empty_like(rows)
         for i, force in enumerate(self.tension):
             stiffness = elastic + max(force, 0.0) * stretched
             found[..., i] = np.linalg.solve(stiffness, rows[..., i, None])[..., 0]
-        return np.asarray(found)
+        return np.pad(found, ((0, 0), (0, 0), (0, self._own)))
+
+    @cached_property
+    def _twist_responses(self) -> FloatArray:
+        """Twist of each degree under each load [m/N], then of the lowest degrees by themselves, (degree, shape)."""
+        found = np.zeros((len(self._twists), len(self.loads) + self._own))
+        if self.order:
+            rows = [load.twist_rows(self._twists, self.order) for load in self.loads if isinstance(load, RingLoad)]
+            shear = self.shell.shear_stiffness + np.maximum(self.tension, 0.0)
+            found[:, : len(self.loads)] = np.transpose(rows) / (twisted(self._twists)[:, None] * shear)
+            found[: self._own] = np.eye(self._own, found.shape[1], len(self.loads))
+        return found
 
     @property
     def _elastic(self) -> FloatArray:
@@ -153,21 +210,31 @@ class RingModes:
 
     @cached_property
     def _under_loads(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mass, elastic stiffness and that of the tension over the responses to the loads, each (load, load)."""
-        n, responses, tension = self._degrees, self._responses, np.array(self.tension)
+        """Mass, elastic stiffness and that of the tension over responses and twists, each (shape, shape).
+
+        Tension is of degrees above N: what it does to twists below depends on where, see `twists`.
+        """
+        n, responses, tension = self._degrees, self._responses, np.pad(self.tension, (0, self._own))
         blocks = mass_block(self.shell, n), self._elastic, tension_block(n)
         mass, elastic, stretched = (
             np.einsum("nai,nab,nbj->ij", responses, block, responses, optimize=True) for block in blocks
         )
+        twists, shear, far = self._twist_responses, twisted(self._twists), self._beyond
+        mass = mass + (twists.T * twisting_mass(self.shell, self._twists)) @ twists
+        elastic = elastic + self.shell.shear_stiffness * (twists.T * shear) @ twists
+        stretched = stretched + (twists[far].T * shear[far]) @ twists[far]
         return mass, elastic, np.asarray(np.add.outer(tension, tension) / 2 * stretched)
 
     @cached_property
     def _combinations(self) -> FloatArray:
-        """Loads of unit amplitudes, one column for each mode [N/m]: of equal stiffness and without coupling."""
+        """Responses and twists of the modes, one column for each: of equal stiffness and without coupling."""
         _, elastic, stretched = self._under_loads
-        compliance, directions = np.linalg.eigh(elastic + stretched)
+        loads = slice(len(self.loads))
+        compliance, directions = np.linalg.eigh((elastic + stretched)[loads, loads])
         kept = compliance > SAME * compliance[-1]
-        return np.asarray(directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1]))
+        combined = directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1])
+        stiffness = np.diag(elastic)[len(self.loads) :]
+        return np.asarray(block_diag(combined, np.diag(1 / np.sqrt(stiffness * compliance[-1]))))
 
     def _over_modes(self, matrix: FloatArray) -> FloatArray:
         """A matrix over the loads as one over the modes."""
@@ -186,14 +253,29 @@ class RingModes:
 
     @cached_property
     def prestress(self) -> FloatArray:
-        """Stiffness by the tension of the wall, shape (mode, mode) [N/m]."""
+        """Stiffness by the tension of the wall, shape (mode, mode) [N/m]; of order m of degrees above N alone."""
         return self._over_modes(self._under_loads[2])
 
-    def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return radial and meridional displacements at colatitudes [rad], each shape (mode, point) [-]."""
-        radial, meridional = np.moveaxis(self._responses @ self._combinations, 1, 0)
-        p, slope = _legendre(self._degrees, np.asarray(colatitude, dtype=float))
-        return np.asarray(radial.T @ p), np.asarray(meridional.T @ slope)
+    @cached_property
+    def twists(self) -> tuple[IntArray, FloatArray]:
+        """Degrees up to N that twist, and their amplitudes, shape (degree, mode) [-]: long enough for water and load.
+
+        These see them as they do the shapes of the basis.
+        """
+        below = self._twists <= self.degree
+        return self._twists[below], np.asarray(self._twist_responses[below] @ self._combinations)
+
+    def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return displacements along e_r, e_phi and e_theta at colatitudes [rad], each shape (mode, point) [-]."""
+        at = np.asarray(colatitude, dtype=float)
+        radial, along = np.moveaxis(self._responses @ self._combinations, 1, 0)
+        s, slope, around = _harmonics(self._degrees, self.order, at)
+        v, u, w = radial.T @ s, along.T @ slope, -along.T @ around
+        if self.order:
+            twist = (self._twist_responses @ self._combinations).T
+            _, slope, around = _harmonics(self._twists, self.order, at)
+            u, w = u + twist @ around, w - twist @ slope
+        return v, u, w
 
     def mean_strains(self, upper: float, lower: float) -> tuple[FloatArray, FloatArray]:
         """Return the mean strains around the axis and along the meridian of a belt, each shape (mode,) [1/m]."""
@@ -202,7 +284,22 @@ class RingModes:
         return hoop, meridional
 
 
-def _legendre(degrees: IntArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """P_n(cos phi) and its derivative by phi of consecutive degrees, each shape (degree, point)."""
-    p, by_cos = legendre_p_all(int(degrees[-1]), np.cos(colatitude), diff_n=1)
-    return np.asarray(p[degrees]), np.asarray(-np.sin(colatitude) * by_cos[degrees])
+def _harmonics(degrees: IntArray, order: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """S, its derivative by phi and m S/sin(phi) of consecutive degrees, each (degree, point).
+
+    P_n for m = 0, else Schmidt's functions by their recurrence in the degree, of S/sin(phi), regular at the poles: with
+    k_n = sqrt(n^2 - m^2), k_n S_n = (2n - 1) cos(phi) S_(n-1) - k_(n-1) S_(n-2) and sin(phi) S_n' = n cos(phi) S_n -
+    k_n S_(n-1).
+    """
+    cos, sin, highest = np.cos(colatitude), np.sin(colatitude), int(degrees[-1])
+    if not order:
+        p, by_cos = legendre_p_all(highest, cos, diff_n=1)
+        return p[degrees], -sin * by_cos[degrees], np.zeros((len(degrees), len(cos)))
+    over_sin = np.zeros((highest + 1, len(cos)))
+    over_sin[order] = math.sqrt(2 / math.factorial(2 * order)) * factorial2(2 * order - 1) * sin ** (order - 1)
+    n = np.arange(highest + 1)[:, None]
+    k = np.sqrt(np.maximum(n**2 - order**2, 0))
+    for i in range(order + 1, highest + 1):
+        over_sin[i] = ((2 * i - 1) * cos * over_sin[i - 1] - k[i - 1] * over_sin[i - 2]) / k[i]
+    slope = n[1:] * cos * over_sin[1:] - k[1:] * over_sin[:-1]
+    return sin * over_sin[degrees], slope[degrees - 1], order * over_sin[degrees]

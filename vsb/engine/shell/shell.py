@@ -272,6 +272,11 @@ class Shell:
         return self.young_modulus * self.thickness / (1 - self.poisson_ratio**2)
 
     @property
+    def shear_stiffness(self) -> float:
+        """G h = E h/2(1 + nu) of small strains [N/m]."""
+        return self.membrane_stiffness * (1 - self.poisson_ratio) / 2
+
+    @property
     def bending_stiffness(self) -> float:
         """D = E h^3/12(1 - nu^2) of small strains [N m]."""
         return self.membrane_stiffness * self.thickness**2 / 12

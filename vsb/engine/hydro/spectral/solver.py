@@ -192,7 +192,7 @@ def _relative(other: ComplexArray | FloatArray, value: ComplexArray | FloatArray
 
 
 FEWEST_NODES = 16
-MOST_NODES = 128
+MOST_NODES = 256
 
 
 def incident_wave(problem: SpectralProblem) -> IncidentWave:

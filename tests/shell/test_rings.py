@@ -1,0 +1,119 @@
+"""Modes of rings of azimuthal order m >= 1: symmetry of the sphere, energies of twist, a basis of many explicit shapes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import block_diag, eigh, null_space
+
+from vsb.engine.shell.azimuthal import azimuthal_stiffness
+from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block, twisted, twisting_mass
+from vsb.engine.shell.device import Device
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import LoadedShell
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.shell.orders import Ballast, order_basis, prestress_stiffness, semi_normalised
+from vsb.engine.shell.rings import RingModes, along_wall, around_axis, normal_to_wall
+
+DEVICE = Device(
+    radius=2.0, thickness=0.02, young_modulus=3e7, poisson_ratio=0.3, density=2700.0, mass=17170.0,
+    centre_of_mass=-0.4, ballast_inertia=3000.0,
+)  # fmt: skip
+BALLAST = Ballast(17170.0, -0.4, 3000.0)
+
+
+def of_order(order, degree, angles, highest, tension=0.0):
+    """Basis of an order with modes of rings held in three directions."""
+    basis = mode_basis(DEVICE, "full", degree)
+    loads = tuple(way(phi) for phi in angles for way in (normal_to_wall, along_wall, around_axis))
+    rings = RingModes(basis.shell, degree, loads, (tension,) * len(loads), highest, order)
+    return replace(order_basis(basis, order, BALLAST), rings=rings)
+
+
+def compliance(shell, load, order, highest):
+    """Displacement of a point of the meridian theta = 0 by the part of order m of a force there, degrees 2 to highest."""
+    rings = RingModes(shell, 1, (load,), (0.0,), highest, order)
+    stiffness = rings.stiffness + rings.prestress
+    rows = [load.radial * v + load.meridional * u for v, u, _ in [rings.displacement(np.array([load.colatitude]))]]
+    return float(rows[0][:, 0] @ np.linalg.solve(stiffness, rows[0][:, 0])) if len(stiffness) else 0.0
+
+
+def test_a_force_moves_all_points_of_a_sphere_alike():
+    """Summed over all orders to a degree: normal to the wall as at the pole, order 0; along it as there, order 1."""
+    shell, highest = mode_basis(DEVICE, "full", 2).shell, 7
+    for way, at_pole in ((normal_to_wall, 0), (along_wall, 1)):
+        expected = compliance(shell, way(0.0), at_pole, highest)
+        found = sum(compliance(shell, way(1.1), order, highest) for order in range(highest + 1))
+        assert found == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_energy_of_twist_is_that_of_its_strains(order):
+    """By quadrature of the strains of the displacements, without load."""
+    basis = of_order(order, 9, [1.2], 10)
+    loaded = LoadedShell(ElasticShell(mode_basis(DEVICE, "full", 9)), -0.1, 0.0, 9.81, 0.0)
+    q = np.zeros(len(loaded.basis.labels))
+    degrees, amplitudes = basis.rings.twists
+    shear = basis.shell.shear_stiffness * twisted(degrees)
+    own = len(basis.rings.labels)
+    found = azimuthal_stiffness(basis, loaded, q)[-own:, -own:]
+    prestress = basis.of_rings(basis.rings.prestress)[-own:, -own:]
+    assert found - prestress == pytest.approx(
+        (amplitudes.T * shear) @ amplitudes, rel=1e-9, abs=1e-9 * np.abs(found).max()
+    )
+
+
+def test_pressure_stiffens_twist_as_shear_does():
+    """A tension p r/2 all around, less what the volume gains: G h + p r/2 in place of G h, and none of pitch."""
+    basis = of_order(1, 9, [1.2], 10)
+    pressure = 2e4
+    loaded = LoadedShell(ElasticShell(mode_basis(DEVICE, "full", 9)), 1e3, 0.0, 0.0, pressure)
+    degrees, amplitudes = basis.rings.twists
+    own = len(basis.rings.labels)
+    found = prestress_stiffness(basis, loaded)[-own:, -own:] - basis.rings.prestress
+    expected = pressure * DEVICE.radius / 2 * (amplitudes.T * twisted(degrees)) @ amplitudes
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("tension", [0.0, 2e4])
+def test_statics_of_rings_do_not_depend_on_the_degree_they_begin_at(tension):
+    """Compliance of rings in all directions, with the tension of degrees above only where both count it."""
+    found = []
+    for degree in (6, 20):
+        basis = of_order(1, degree, np.deg2rad([0.0, 70.0, 90.0]), 300, tension)
+        rows = basis.clamp_rows(np.deg2rad([70.0, 90.0]))[:, basis.rigid :]
+        stiffness = basis.stiffness[basis.rigid :, basis.rigid :]
+        found.append(rows @ np.linalg.solve(stiffness, rows.T))
+    tolerance = 1e-8 if not tension else 0.05
+    assert found[0] == pytest.approx(found[1], rel=tolerance, abs=tolerance * np.abs(found[1]).max())
+
+
+def test_clamped_shell_vibrates_as_one_of_many_explicit_shapes_does():
+    """Lowest natural frequencies in vacuo: degree 20 and modes of rings to 60, all gradients and twists to 60."""
+    at, highest = np.deg2rad([75.0]), 60
+    basis = of_order(1, 20, at, highest)
+    free = basis.allowed(True, at)[basis.rigid :, basis.rigid :]
+    few = eigh(*(free.T @ m[basis.rigid :, basis.rigid :] @ free for m in (basis.stiffness, basis.inertia)))[0]
+    n = np.arange(2, highest + 1)
+    shell = basis.shell
+    upper = basis.modes[[mode.label for mode in basis.modes].index("Membrane1c1")]  # heave's companion, of degree 1
+    one = np.array([upper.radial, upper.meridional])
+    stiffness = [*(membrane_block(shell, n) + bending_block(shell, n)), np.diag(shell.shear_stiffness * twisted(n))]
+    mass = [*mass_block(shell, n), np.diag(twisting_mass(shell, n))]
+    first = [
+        np.atleast_2d(one @ block @ one)
+        for block in (membrane_block(shell, 1) + bending_block(shell, 1), mass_block(shell, 1))
+    ]
+    k, m = block_diag(first[0], *stiffness), block_diag(first[1], *mass)
+    tables = [semi_normalised(int(i), 1, at)[:, 0] for i in (1, *n)]
+    s, slope, around = np.array([[t[0], t[1], t[3]] for t in tables]).T
+    zero = np.zeros_like(s)
+    radial, meridional, azimuthal = (np.array(pair).T.copy() for pair in ((s, zero), (zero, slope), (zero, -around)))
+    twist = [zero[1:], around[1:], -slope[1:]]
+    rows = [
+        np.concatenate([[part[0] @ one], part[1:].ravel(), own])
+        for part, own in zip((radial, meridional, azimuthal), twist, strict=True)
+    ]
+    held = null_space(np.array(rows))
+    many = eigh(held.T @ k @ held, held.T @ m @ held, eigvals_only=True)
+    assert np.sqrt(few[:4]) == pytest.approx(np.sqrt(many[:4]), rel=2e-4)
