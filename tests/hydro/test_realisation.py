@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from vsb.engine.hydro.realisation import LEVEL, Balanced, StateSpace, crossings, least_damping, rational_fit
@@ -59,10 +59,13 @@ def dissipative(order, channels, dof, seed):
 
 @settings(max_examples=20)
 @given(st.integers(2, 10), st.integers(1, 4), st.integers(1, 4), st.integers(0, 10**6))
+@example(5, 2, 3, 1)
 def test_a_dissipative_state_space_is_proven_passive(order, channels, dof, seed):
+    """To `LEVEL` of the largest |K|, which is not always where a pole is: here at frequency 0."""
     system = dissipative(order, channels, dof, seed)
     found = least_damping(system)
-    size = np.abs(system.transfer(np.abs(np.linalg.eigvals(system.state_matrix)))).max()
+    poles = np.linalg.eigvals(system.state_matrix)
+    size = np.abs(system.transfer(np.abs([0.0 * poles, poles, poles.imag]).ravel())).max()
     assert -1e-9 * size < found.value <= 0.0
     assert -2 * LEVEL * size < found.bound < found.value
 
