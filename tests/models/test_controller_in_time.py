@@ -15,9 +15,16 @@ from vsb.engine.motion.forces import TakeOff
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
+from vsb.engine.waves.climate import realised
+from vsb.engine.waves.scatter import climate_of_cells
 from vsb.engine.waves.seas import Sea
+from vsb.models.build import Memory
 from vsb.models.floating_system import expected_sea
 from vsb.models.stationary import controlled
+from vsb.results.causal_year import schedules_at_port
+from vsb.results.verification import DesignInTime, record_of
+from vsb.results.year import frequencies
+from vsb.stages.verification import under_schedules
 
 TP, DURATION = 3.0, 120.0
 SETTINGS = Simulation(duration=DURATION + 80.0, window=(80.0, DURATION + 80.0))
@@ -79,3 +86,29 @@ def test_under_a_limit_it_absorbs_more_than_a_damper_and_less_than_the_bound(bar
     port = floating.extended_port("FSB", harmonics.port_omega, direction=0.0)
     bound = optimum_in_sea(port, sea, harmonics, Limits(limit, np.inf)).bound
     assert least * damper < found < bound
+
+
+def test_controllers_of_a_year_absorb_in_time_what_theory_says_and_less_within_a_limit(example, radiation_of):  # noqa: F811
+    study, floating = example
+    cells = np.array([1.0, 1.0]), np.array([2.7, 3.6])
+    climate = climate_of_cells(*cells, np.array([0.5, 0.5]), 3.3, "two seas")
+    memory = Memory(radiation_of(study), floating.linear.added_mass_inf)
+    waves = floating.at(frequencies(climate, *floating.band)).in_waves()
+    ratios = []
+    for limit in (np.inf, 1e3):
+        own = study.model_copy(update={"pto": Pto(force_limit=limit, tuning="each")})
+        schedules = schedules_at_port(own, floating, climate, waves)
+        design = DesignInTime(
+            floating.linear, None, memory, floating.motions["FSB"], LinearPto(0.0, port=floating.port), own.pto
+        )
+        controlled, decay = under_schedules(climate, schedules, {"FSB": design})("FSB", 1)
+        settings = record_of(float(climate.te[1]), decay, Simulation())
+        sea = realised(climate, 1, settings.duration, 3, *floating.band)
+        run, theory = controlled.powers(sea, settings, "linear")
+        again, _ = replace(controlled, control=controlled.control._replace(limited=controlled.control.linear)).powers(
+            sea, settings, "linear"
+        )
+        ratios.append((run / theory, again / run))
+    assert ratios[0] == pytest.approx((1.0, 1.0), abs=1e-2)  # the filter's error
+    assert 0.6 < ratios[1][0] < 0.9  # 0.8 of a force that is scarce
+    assert ratios[1][1] < 1.02  # cut, the controller that knows of the limit absorbs more

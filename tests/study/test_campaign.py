@@ -52,7 +52,7 @@ def test_paths_are_relative_to_the_campaign_file(folder, monkeypatch):
         ({"vary": {"pto.port": ["pitch", "heave"]}}, "vary.pto.port: received heave, pitch, whose dampers and forces"),
         (
             {"verify": {}, "tuning": ["constrained"]},
-            "verify: received tuning constrained alone, whose forces are of no law in time; needs fixed, one or each",
+            "verify: received tuning constrained alone, whose forces are of no law in time; needs fixed, one, each",
         )],
 )  # fmt: skip
 def test_errors_in_a_campaign_file(folder, changes, message):
@@ -142,6 +142,22 @@ def test_conversion_with_losses_is_known_of_dampers_and_causal_control(folder):
     ):
         with pytest.raises(ConfigError, match=message):
             load(written(folder, tuning=tuning)).check_take_off(study, "here")
+
+
+@pytest.mark.parametrize(
+    ("pto", "message"),
+    [
+        ({"stiffness": 1e3}, "here: pto.stiffness: received 1000.0; runs in time of tuning causal need 0.0"),
+        ({"efficiency": 0.9}, "here: pto.efficiency: received 0.9; runs in time of tuning causal need 1.0"),
+        ({"control": {"forecast": 2.0}}, "here: pto.control.forecast: received 2.0; runs in time of tuning causal"),
+        ({"law": "coulomb", "force_limit": 1e3}, "here: pto.law: received coulomb; runs in time of tuning causal need"),
+    ],
+)
+def test_causal_control_is_verified_where_its_law_can_run(folder, pto, message):
+    loaded = load(written(folder, tuning=["damper_same_force", "causal"], verify={"seas": 4}))
+    loaded.check_take_off(varied(load_study(SEED), pto={"force_limit": 2e3}), "here")
+    with pytest.raises(ConfigError, match=message):
+        loaded.check_take_off(varied(load_study(SEED), pto=pto), "here")
 
 
 def test_switching_take_off_needs_time_domain_or_constrained_optimum(folder):

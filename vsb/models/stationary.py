@@ -6,9 +6,9 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from vsb.engine.integrators.switching import Mode, Switching
-from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, optimum
 from vsb.engine.motion.causal_ports import StationaryPorts
-from vsb.engine.motion.controller import achieved, realised, within_limit
+from vsb.engine.motion.controller import Controller, achieved, realised, within_limit
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.scene import Scene
@@ -167,23 +167,42 @@ def controlled(
     best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
     if best.power <= 0:
         return scene, {}
-    gain = port.controller(best.weights, pto.control.noise)
-    if law.limit < np.inf:
-        gain = within_limit(port, best, pto.control.noise, law.limit)
-    controller, error = realised(port, gain)
+    controller, error = realised_within(port, best, pto.control.noise, law.limit)
     _, margin = controller.stability(port.omega, port.admittance)
-    own = replace(law, damping=controller.damping, stiffness=controller.stiffness, controller=controller)
-    scene = replace(scene, forces={**scene.forces, scene.take_off: own})
+    scene = with_controller(scene, controller)
+    loop_rates(scene, design)
+    power, force = achieved(port, controller.gain(port.omega, port.admittance))
+    notes = {"states": len(controller.output), "error": error, "margin": margin, "power": power, "force_rms": force}
+    return scene, {f"controller_{name}": value for name, value in notes.items()}
+
+
+def realised_within(port: StationaryPort, best: Controlled, noise: float, limit: float) -> tuple[Controller, float]:
+    """Return the filter of an optimum whose force is cut at a limit [N], and its error; see `realised`."""
+    gain = port.controller(best.weights, noise) if limit == np.inf else within_limit(port, best, noise, limit)
+    return realised(port, gain)
+
+
+def with_controller(scene: Scene, controller: Controller) -> Scene:
+    """Return a scene whose take-off, one that switches, follows a controller."""
+    assert scene.law is not None
+    own = replace(scene.law, damping=controller.damping, stiffness=controller.stiffness, controller=controller)
+    return replace(scene, forces={**scene.forces, scene.take_off: own})
+
+
+def loop_rates(scene: Scene, design: str) -> ComplexArray:
+    """Return the eigenvalues of a scene and its controller, linear about its rest, shape (state,) [1/s].
+
+    Raises `StabilityError` if a disturbance grows.
+    """
     runner = Switching(System.of(scene))
     loop = runner.phase(Mode(1), runner.lookout(np.array([0.0, 1.0]), 1))[0].matrix[:-1, :-1]
-    if (growth := float(np.linalg.eigvals(loop).real.max())) >= 0:
+    rates = np.linalg.eigvals(loop)
+    if (growth := float(rates.real.max())) >= 0:
         raise StabilityError(
             f"pto.law causal: the loop of controller and {design} is unstable, a disturbance grows by {growth:.2g}/s; "
             "lower pto.force_limit, or raise pto.control.noise"
         )
-    power, force = achieved(port, controller.gain(port.omega, port.admittance))
-    notes = {"states": len(controller.output), "error": error, "margin": margin, "power": power, "force_rms": force}
-    return scene, {f"controller_{name}": value for name, value in notes.items()}
+    return np.asarray(rates)
 
 
 def _averaged(density: FloatArray, parts: int) -> FloatArray:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.interpolate import make_interp_spline
 
-from vsb.engine.motion.causal import StationaryPort, numerical_error, optimum
+from vsb.engine.motion.causal import Controlled, StationaryPort, numerical_error, optimum
 from vsb.engine.motion.causal_ports import StationaryPorts
 from vsb.engine.motion.causal_ports import optimum as optimum_of_several
 from vsb.engine.motion.coefficient_errors import (
@@ -40,6 +40,7 @@ from vsb.results.matrix_year import MatrixYear
 from vsb.results.year import (
     DesignYear,
     Values,
+    Year,
     band_weights,
     best_for_all,
     bins_of,
@@ -61,6 +62,9 @@ class Scheduled(NamedTuple):
     force_rms: float  # [N]; of several ports that of all forces together
     force: ComplexArray  # per wave amplitude (omega,) or (omega, port) [N/m]
     matrix: FloatArray | None = None  # of a damper matrix (port, port)
+    of_seas: FloatArray | None = None  # power in each sea of the bin, at one port (sea,) [W]
+    damping: float = 0.0  # of a damper [N s/m]
+    optimum: tuple[StationaryPort, Controlled] | None = None  # of a controller, at one port
 
 
 Schedule = list[dict[str, Scheduled]]
@@ -84,27 +88,31 @@ def scheduled(
     """
     seen, noise, forecast = year.port, pto.control.noise, pto.control.forecast
     if not seen.moves:
-        still = Scheduled(0.0, 0.0, 0.0, np.zeros_like(seen.velocity))
+        still = Scheduled(0.0, 0.0, 0.0, np.zeros_like(seen.velocity), of_seas=np.zeros(len(hours)))
         return {SAME_FORCE: still, CAUSAL: still}
     limits, matched = rms_limits(pto, seen, squares), float(squares @ seen.matched_power)
 
-    def converted(force: ComplexArray, known: tuple[float, float, float] | None = None) -> float:
+    def converted(force: ComplexArray, known: tuple[float, float, float] | None = None) -> FloatArray:
         means = port_means(seen, force)
-        return over_seas(means @ seas.T, hours, pto.efficiency, means @ squares if known is None else np.array(known))
+        mean = means @ squares if known is None else np.array(known)
+        return powers_of_seas(means @ seas.T, hours, pto.efficiency, mean)
 
     damper = damper_within_force(seen, squares[None], limits.force, pto.stiffness, pto.efficiency)
     load = seen.load(damper.damping, damper.stiffness)[0]
     force = np.asarray(load * seen.velocity_under(load))
     stroke = float(np.sqrt(0.5 * np.abs((seen.velocity - seen.admittance * force) / seen.omega) ** 2 @ squares))
-    damped = Scheduled(converted(force), 0.0, float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares)), force)
+    each, share, rms = converted(force), hours / hours.sum(), float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares))
+    damped = Scheduled(float(each @ share), 0.0, rms, force, of_seas=each, damping=float(damper.damping[0]))
     best = optimum(port, limits, noise, forecast, pto.efficiency)
     gain = np.interp(seen.omega, port.omega, port.controller(best.weights, noise, forecast))
     own = gain * seen.velocity / seen.admittance
-    power = matched / port.matched_power * converted(own, (best.power, best.force, best.speed))
+    each = matched / port.matched_power * converted(own, (best.power, best.force, best.speed))
+    power = float(each @ share)
     if stroke <= limits.stroke and damped.power >= power:
         return {SAME_FORCE: damped, CAUSAL: damped}
     error = power * numerical_error(port, best, noise, forecast)
-    return {SAME_FORCE: damped, CAUSAL: Scheduled(power, error, best.force_rms, own)}
+    controlled = Scheduled(power, error, best.force_rms, own, of_seas=each, optimum=(port, best))
+    return {SAME_FORCE: damped, CAUSAL: controlled}
 
 
 def port_means(port: Port, force: ComplexArray) -> FloatArray:
@@ -113,8 +121,8 @@ def port_means(port: Port, force: ComplexArray) -> FloatArray:
     return 0.5 * np.stack([np.real(force.conj() * speed), np.abs(force) ** 2, np.abs(speed) ** 2])
 
 
-def over_seas(means: FloatArray, hours: FloatArray, efficiency: float, known: FloatArray) -> float:
-    """Return the mean power after conversion over seas, whose own means follow from those of their mean spectrum [W].
+def powers_of_seas(means: FloatArray, hours: FloatArray, efficiency: float, known: FloatArray) -> FloatArray:
+    """Return the power after conversion in seas whose means are known in their mean spectrum, shape (sea,) [W].
 
     Parameters
     ----------
@@ -127,7 +135,7 @@ def over_seas(means: FloatArray, hours: FloatArray, efficiency: float, known: Fl
     """
     share = hours / hours.sum()
     power, square, speed = means * np.divide(known, means @ share, out=np.zeros(3), where=known > 0)[:, None]
-    return float(converted_power(power, np.sqrt(square * speed), efficiency) @ share)
+    return converted_power(power, np.sqrt(square * speed), efficiency) if efficiency < 1 else power
 
 
 def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: StationaryPorts) -> dict[str, Scheduled]:
@@ -214,6 +222,17 @@ def schedules_at_ports(
             ports = continued_several(spectra.spacing, near[design], far[design], seen)
             found[design].append(scheduled_at_ports(study.pto, year, row @ year.weights, ports))
     return found
+
+
+def year_of_schedules(study: Study | AnyBody, climate: Climate, schedules: Mapping[str, Schedule]) -> Year:
+    """Return the year of the designs of a study under causal control at one port, sea by sea."""
+    bins = bins_of(climate)
+    power = np.zeros((len(schedules), 1, len(climate.hours)))
+    for i, schedule in enumerate(schedules.values()):
+        for place, in_bin in zip(bins.occupied, schedule, strict=True):
+            power[i, 0, bins.index == place] = in_bin[CAUSAL].of_seas
+    names, none = (tuple(schedules), (CAUSAL,)), np.zeros((len(schedules), 1))
+    return Year(climate, study.water, *names, None, power, none, none, study.reference_design)
 
 
 def causal_years(

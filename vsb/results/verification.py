@@ -18,7 +18,7 @@ starts from rest, too, and what that changes of its own power widens the interva
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,16 +27,19 @@ from scipy.interpolate import CubicSpline
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, Simulation
 from vsb.engine.integrators.simulate import legs
 from vsb.engine.motion.builders import body_exact_scene, linear_scene
+from vsb.engine.motion.controller import Controller
 from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.loaded import LoadedShell
-from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.models.build import Memory, check_followed
 from vsb.models.latching import body_exact_latching_time, linear_latching_time, with_latching_time
+from vsb.models.stationary import loop_rates, with_controller
 from vsb.models.take_off import with_take_off
 from vsb.results.campaign import GAIN, POWER
 from vsb.results.run_checks import energy_check
@@ -57,6 +60,15 @@ LONGEST = 100.0
 Model = Literal["linear", "body_exact"]
 UNLIMITED = Pto()
 """A take-off without limits: a spring and a damper."""
+
+
+class Control(NamedTuple):
+    """A causal controller: the optimum of linear theory, the filter it is, and the one whose force is cut."""
+
+    omega: FloatArray  # (omega,) [rad/s]
+    gain: ComplexArray  # K, the force over the Thevenin force (omega,) [-]
+    linear: Controller  # K as a filter
+    limited: Controller  # that of a force that is cut at the limit
 
 
 # seas to run --------------------------------------------------------------------------------------------------------
@@ -164,6 +176,7 @@ class DesignInTime:
     take_off: LinearPto
     pto: Pto = UNLIMITED  # its law and its limits in time
     rubber: LoadedShell | None = None  # the shell, if it is of rubber
+    control: Control | None = None  # in place of the damper, with the law `causal`
 
     def with_damping(self, damping: FloatArray | float) -> "DesignInTime":
         """Return the design with another damper [N s/m], or another damper matrix (port, port)."""
@@ -174,6 +187,9 @@ class DesignInTime:
 
         Of those that move the port: a surge that lasts for hours beside a take-off of heave changes no power.
         """
+        if self.control:
+            rates = loop_rates(self._scene(NO_WAVES, "linear"), "the design")
+            return 1 / float(np.min(-rates.real[np.abs(rates.imag) <= omega_max]))
         whole = replace(self.buoy, pto=self.take_off)
         omega, ratio = whole.natural_modes(self.motions, omega_max, self.take_off.direction(len(whole.labels)))
         slowest = float(np.min((ratio * omega)[omega <= omega_max], initial=np.inf))
@@ -192,14 +208,30 @@ class DesignInTime:
             Its window begins after the transient, which linear theory does not have.
         model : {'body_exact', 'linear'}
         """
-        loads = self._absorbed(sea.omega) * sea.amplitude[:, None]
-        linear = float(linear_batches(sea.omega, loads, settings.window, 1)[0])
+        if self.control:
+            linear = self._linear_power(self.control, sea, settings)
+        else:
+            loads = self._absorbed(sea.omega) * sea.amplitude[:, None]
+            linear = float(linear_batches(sea.omega, loads, settings.window, 1)[0])
         return self._run(sea, settings, model), self.pto.efficiency * linear
 
     def from_rest(self, sea: Sea, settings: Simulation) -> float:
         """Return the mean power over the window by linear theory from rest, its transient included [W]."""
-        unlimited = UNLIMITED.model_copy(update={"efficiency": self.pto.efficiency})
-        return replace(self, pto=unlimited)._run(sea, settings, "linear")
+        kept = {"efficiency": self.pto.efficiency, "law": "causal" if self.control else "linear"}
+        control = self.control and self.control._replace(limited=self.control.linear)
+        one = replace(self, pto=UNLIMITED.model_copy(update=kept), control=control)
+        return one._run(sea, settings, "linear")
+
+    def _linear_power(self, control: Control, sea: Sea, settings: Simulation) -> float:
+        """Mean of F V over the window by linear theory, as the difference of the squares of (F + V)/2 and (F - V)/2."""
+        port = self.buoy.port(sea.omega, self.motions, self.take_off.direction(len(self.buoy.mass)))
+        gain = np.interp(sea.omega, control.omega, control.gain)
+        force = gain * port.velocity * port.impedance * sea.amplitude
+        velocity = port.velocity * sea.amplitude - port.admittance * force
+        unit = np.sqrt(np.linalg.norm(force) / np.linalg.norm(velocity))
+        both = ((force / unit + sign * velocity * unit)[:, None] / 2 for sign in (1, -1))
+        more, less = (float(linear_batches(sea.omega, one, settings.window, 1)[0]) for one in both)
+        return more - less
 
     def _absorbed(self, omega: FloatArray) -> ComplexArray:
         """L^T V of the take-off's dampers L L^T per wave amplitude, shape (omega, load) [W^0.5/m]."""
@@ -213,18 +245,24 @@ class DesignInTime:
         port = port.beside(float(self.take_off.stiffness))
         return np.asarray(np.sqrt(damping) * port.velocity_under(port.load(damping)))[:, None]
 
-    def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
-        """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""
+    def _scene(self, sea: Sea, model: Model) -> Scene:
+        """The design with its take-off in a sea."""
         buoy = replace(self.buoy, pto=self.take_off)
-        check_followed(self.radiation, sea, "the sea")
         memory, limit = self.radiation.model, self.radiation.added_mass_inf
-        scene = linear = linear_scene(buoy, memory, sea, self.motions, limit)
-        if model != "linear":
+        if model == "linear":
+            scene = linear_scene(buoy, memory, sea, self.motions, limit)
+        else:
             assert self.shape is not None
             scene = body_exact_scene(buoy, self.shape, memory, sea, self.motions, self.rubber)
         scene = with_take_off(scene, self.pto, self.take_off)
+        return with_controller(scene, self.control.limited) if self.control and scene.law else scene
+
+    def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
+        """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""
+        check_followed(self.radiation, sea, "the sea")
+        buoy, scene = replace(self.buoy, pto=self.take_off), self._scene(sea, model)
         if self.pto.has_latching_time and scene.law:  # or nothing there moves
-            best = linear_latching_time(with_take_off(linear, self.pto, self.take_off), sea, settings)
+            best = linear_latching_time(self._scene(sea, "linear"), sea, settings)
             best = best if model == "linear" else body_exact_latching_time(scene, best, sea, settings)
             scene = with_latching_time(scene, best.time)
         system, absorbed = System.of(scene), []

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
-from vsb.engine.motion.take_off import DistributedPort, Pto, port_kind
+from vsb.engine.motion.take_off import DistributedPort, Pto, SeveralPorts, port_kind
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Name, Number, Section
 from vsb.keys.reading import read_yaml, validated
@@ -194,10 +194,10 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         raise ConfigError(
             f"{source}: constrained: applies with the tuning constrained only; add it to tuning, or remove this"
         )
-    if campaign.verify and not {"fixed", "one", "each"} & {*(campaign.tuning or ("one",))}:
+    if campaign.verify and not {"fixed", "one", "each", CAUSAL} & {*(campaign.tuning or ("one",))}:
         raise ConfigError(
             f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, whose forces are of no law "
-            "in time; needs fixed, one or each beside it"
+            "in time; needs fixed, one, each or causal beside it"
         )
     if isinstance(study, BodyStudy):
         campaign, floats_by = _of_a_body(campaign, study, source), {}
@@ -320,6 +320,8 @@ class LoadedCampaign(Section):
                 f"{where}: pto.efficiency: received {study.pto.efficiency:g} with law {study.pto.law}, whose runs in "
                 "time give the power at the port; needs 1, or no verify"
             )
+        if self.campaign.verify and leading_tuning(self.tuning) == CAUSAL:
+            check_in_time(study.pto, where)
         limited = (*AT_FORCE, CONSTRAINED)
         checked = (leading_tuning(self.tuning), *limited) if self.campaign.verify else limited
         blind = [tuning for tuning in self.tuning if tuning not in checked]
@@ -328,6 +330,24 @@ class LoadedCampaign(Section):
                 f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
                 f"{study.pto.stroke_limit:g} m, which linear theory of tuning {blind[0]} does not see; needs tuning: "
                 f"[causal] or [constrained], or [{blind[0]}] with verify"
+            )
+
+
+def check_in_time(pto: Pto, where: str) -> None:
+    """Check that a causal controller of a year can be run in time; raises `ConfigError`."""
+    needed: dict[str, tuple[object, object]] = {
+        "law": (pto.law, "linear"),
+        "stiffness": (pto.stiffness, 0.0),
+        "control.forecast": (pto.control.forecast, 0.0),
+        "efficiency": (pto.efficiency, 1.0),
+        "port": (len(pto.port.ports) if isinstance(pto.port, SeveralPorts) else 1, 1),
+    }
+    for name, (received, only) in needed.items():
+        if received != only:
+            ports = " (of several)" if name == "port" else ""
+            raise ConfigError(
+                f"{where}: pto.{name}: received {received}{ports}; runs in time of tuning causal need {only}: another "
+                "tuning beside it, or no verify"
             )
 
 

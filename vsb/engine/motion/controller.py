@@ -29,6 +29,9 @@ FLOOR = 1e-3
 """Least weight of a squared error, where there are no waves, over the largest."""
 SLOW, FAST = 0.05, 3.0
 """Poles that are kept: above this part of the frequency of the largest force, below this multiple of the band."""
+LIGHT = 0.02
+"""Least damping ratio of poles that are kept: lighter ones follow a step of the spectrum, as where measured bands
+begin, and leave a loop that rings for hours."""
 LOUDEST = 10.0
 """Largest rms value of the force wanted over its limit: beyond, a force at its limit all the time changes little."""
 
@@ -150,7 +153,8 @@ def _of_order(port: StationaryPort, gain: ComplexArray, order: int) -> Controlle
     k_v = k / port.admittance[at].conj()
     bounded = k_v - k_v[-1].real - (k_v[0] * s[0]).real / s  # without damper and spring
     poles = vector_fit(omega[at], np.stack([k / np.abs(k).max(), bounded / np.abs(bounded).max()], axis=1), order)
-    poles = poles[(np.abs(poles) > SLOW * peak) & (np.abs(poles) < FAST * omega[-1])]
+    size = np.abs(poles)
+    poles = poles[(size > SLOW * peak) & (size < FAST * omega[-1]) & (-poles.real > LIGHT * size)]
     basis, block, ones = partial_fractions(s, poles)
     weight = np.sqrt(port.excitation[at] / port.excitation.max() + FLOOR)
 
