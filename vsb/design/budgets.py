@@ -136,12 +136,9 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
             damper * np.eye(len(motion.rows)) if buoy.dampers is None else np.array(buoy.dampers)
         )
     elif buoy.control:
-        controlled = ControlledYear(port, buoy.control, buoy.study.pto.control)
-        omega, (absorbed, lost) = controlled.port.omega, controlled.absorbed
+        omega, absorbed, lost = ControlledYear(port, buoy.control, buoy.study.pto.control).absorbed
     else:
-        omega, damper = model.grid.omega, buoy.quantities["damping"]
-        moved = port.motion / (1 - 1j * omega * damper * port.receptance)
-        absorbed = damper * omega**2 * np.abs(moved) ** 2 * model.grid.variance
+        omega, absorbed = model.grid.omega, port.absorbed(buoy.quantities["damping"])
     of_band = np.histogram(omega, climate.edges, weights=absorbed)[0]
     mean = climate.mean_density
     return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0) - lost)

@@ -105,16 +105,14 @@ class ControlledYear:
         return best if best.power > self.found.power and best.stroke <= self.limits.stroke else None
 
     @property
-    def absorbed(self) -> tuple[FloatArray, float]:
-        """Mean power by frequency, shape (omega,), and what noise loses of it, in all seas alike [W]."""
-        port, noise = self.port, self.control.noise
+    def absorbed(self) -> tuple[FloatArray, FloatArray, float]:
+        """Frequencies [rad/s], mean power by frequency, shape (omega,), and what noise loses of it in each sea [W]."""
         if self.damper:
-            c = self.damper.damping
-            return port.spacing * c * port.spectrum / np.abs(1 + c * port.admittance) ** 2, 0.0
+            return self.year.grid.omega, self.year.absorbed(self.damper.damping), 0.0
+        port, noise = self.port, self.control.noise
         gain = port.controller(self.found.weights, noise, self.control.forecast)
-        lost = port.admittance.real * np.abs(gain) ** 2
-        power = np.real(port.admittance.conj() * gain) - lost
-        return port.spacing * power * port.excitation, port.integral(lost) * noise * float(port.excitation.max())
+        lost = port.integral(port.admittance.real * np.abs(gain) ** 2) * noise * float(port.excitation.max())
+        return port.omega, port.spacing * port.absorbed(gain), lost
 
     @property
     def other_levels(self) -> dict[str, float]:

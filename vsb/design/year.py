@@ -256,6 +256,12 @@ class PortYear:
         _, bend, change = self._optimality(c)
         return -change / bend
 
+    def absorbed(self, damper: float) -> FloatArray:
+        """Return the mean power of a damper [N s/m] by frequency, c w^2 S |u|^2, shape (omega,) [W]."""
+        w = self.grid.omega
+        moved = self.motion / (1 - 1j * w * damper * self.receptance)
+        return np.asarray(damper * w**2 * np.abs(moved) ** 2 * self.grid.variance)
+
     def damper_within(self, force: float) -> "Damper":
         """Return the damper that absorbs most with a force of a given rms at most [N].
 

@@ -140,6 +140,11 @@ class StationaryPort:
         loss = 4 * self.admittance.real
         return self.integral(np.divide(self.spectrum, loss, out=np.zeros_like(loss), where=loss > 0))
 
+    def absorbed(self, gain: ComplexArray) -> FloatArray:
+        """Return the density of the mean power of a force K F_e by frequency, without noise, shape (omega,) [W s]."""
+        loss = self.admittance.real * np.abs(gain) ** 2
+        return np.asarray((np.real(self.admittance.conj() * gain) - loss) * self.excitation)
+
     def coarser(self) -> "StationaryPort":
         """Return the port at every third of its frequencies: what is resolved changes little."""
         return StationaryPort(3 * self.spacing, self.admittance[1::3], self.spectrum[1::3])

@@ -73,9 +73,8 @@ class Controller:
 
 def achieved(port: StationaryPort, gain: ComplexArray) -> tuple[float, float]:
     """Return the mean power [W] and the rms force [N] of F = K F_e in a sea, measured without noise."""
-    force = np.abs(gain) ** 2 * port.excitation
-    along = np.real(gain.conj() * port.admittance) * port.excitation
-    return port.integral(along - port.admittance.real * force), float(np.sqrt(port.integral(force)))
+    square = port.integral(np.abs(gain) ** 2 * port.excitation)
+    return port.integral(port.absorbed(gain)), float(np.sqrt(square))
 
 
 def within_limit(port: StationaryPort, best: Controlled, noise: float, limit: float) -> ComplexArray:
