@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from motion.test_harmonics import MASS, admittance
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.linalg import block_diag, solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 
 from vsb.engine.motion.causal import RmsLimits, StationaryPort, Weights, numerical_error, optimum
@@ -30,44 +30,51 @@ def damper(port, limit, efficiency=1.0):
     return damper_within_force(seen, np.ones((1, moved.sum())), limit, 0.0, efficiency)
 
 
-def lqg(mass, resistance, stiffness, shaping, intensity, noise, price):
-    """Mean power and mean square of the force of the optimal regulator behind a Kalman filter of the wave force.
+def companion(*poles):
+    """The state matrix of a filter 1/((s - p1)(s - p2)...), whose first state is its output."""
+    matrix = np.diag(np.ones(len(poles) - 1), 1)
+    matrix[-1] = -np.poly(poles).real[:0:-1]
+    return matrix
 
-    State: displacement, velocity, and those of a filter of white noise whose output is the force of the waves.
+
+def lqg(mass, resistance, stiffness, shaping, noise, price):
+    """Mean power and mean square of the forces of the optimal regulator behind a Kalman filter of the wave forces.
+
+    Matrices are of the ports. State: displacements, velocities, and those of a filter of white noise of intensity 1
+    whose outputs are the forces of the waves.
     """
     a_w, b_w, c_w = shaping
-    n = 2 + len(a_w)
-    a, b = np.zeros((n, n)), np.zeros((n, 1))
-    a[:2, :2] = [[0, 1], [-stiffness / mass, -resistance / mass]]
-    a[1, 2:], a[2:, 2:] = c_w / mass, a_w
-    b[1] = -1 / mass
-    velocity = np.eye(n)[[1]]
-    riccati = solve_continuous_are(a, b, np.zeros((n, n)), np.array([[price]]), s=-velocity.T / 2)
+    p = len(mass)
+    n = 2 * p + len(a_w)
+    a, b, drive, measured = np.zeros((n, n)), np.zeros((n, p)), np.zeros((n, b_w.shape[1])), np.zeros((p, n))
+    a[:p, p : 2 * p], a[2 * p :, 2 * p :] = np.eye(p), a_w
+    a[p : 2 * p] = np.linalg.solve(mass, np.hstack([-stiffness, -resistance, c_w]))
+    b[p : 2 * p], drive[2 * p :], measured[:, 2 * p :] = -np.linalg.inv(mass), b_w, c_w
+    velocity = np.eye(n)[p : 2 * p]
+    riccati = solve_continuous_are(a, b, np.zeros((n, n)), price * np.eye(p), s=-velocity.T / 2)
     gain = (b.T @ riccati - velocity / 2) / price
-    drive = np.concatenate([np.zeros(2), b_w])[:, None]
-    measured = np.concatenate([np.zeros(2), c_w])[None]
-    spread = solve_continuous_are(a.T, measured.T, intensity * drive @ drive.T, np.array([[noise]]))
+    spread = solve_continuous_are(a.T, measured.T, drive @ drive.T, noise * np.eye(p))
     kalman = spread @ measured.T / noise
     loop = np.block([[a, -b @ gain], [kalman @ measured, a - b @ gain - kalman @ measured]])
-    pushed = np.block([[drive * np.sqrt(intensity), 0 * drive], [0 * drive, kalman * np.sqrt(noise)]])
+    pushed = block_diag(drive, kalman * np.sqrt(noise))
     covariance = solve_continuous_lyapunov(loop, -pushed @ pushed.T)
-    force = np.concatenate([np.zeros(n), -gain[0]])
-    return float(force @ covariance @ np.eye(2 * n)[1]), float(force @ covariance @ force)
+    force, moved = np.hstack([np.zeros((p, n)), -gain]), np.hstack([velocity, np.zeros((p, n))])
+    return float(np.trace(force @ covariance @ moved.T)), float(np.trace(force @ covariance @ force.T))
 
 
 @pytest.mark.parametrize(("price", "share"), [(2e-4, 1e-3), (2e-5, 1e-3), (2e-5, 1e-1)])
 def test_rational_model_agrees_with_the_riccati_equation(price, share):
-    """White noise of intensity I has the one-sided density I/pi."""
+    """White noise of intensity 1 has the one-sided density 1/pi."""
     mass, resistance, stiffness = 3e4, 4e3, 8e4
-    poles = np.poly([-0.2 + 1.3j, -0.2 - 1.3j, -0.5 + 1.5j, -0.5 - 1.5j]).real
-    shaping = np.diag(np.ones(3), 1), np.eye(4)[3], 1e3 * np.array([0.0, 1.0, 0.0, 0.0])
-    shaping[0][3] = -poles[:0:-1]
+    poles = [-0.2 + 1.3j, -0.2 - 1.3j, -0.5 + 1.5j, -0.5 - 1.5j]
+    shaping = companion(*poles), np.eye(4)[:, 3:], 1e3 * np.array([[0.0, 1.0, 0.0, 0.0]])
     spacing, top = 0.004, 160.0
     s = -1j * (np.arange(int(top / spacing)) + 0.5) * spacing
     y = s / (mass * s**2 + resistance * s + stiffness)
-    excitation = np.abs(1e3 * s / np.polyval(poles, s)) ** 2 / np.pi
+    excitation = np.abs(1e3 * s / np.polyval(np.poly(poles), s)) ** 2 / np.pi
     noise = share * excitation.max() * np.pi
-    power, force = lqg(mass, resistance, stiffness, shaping, 1.0, noise, price)
+    matrices = (np.array([[value]]) for value in (mass, resistance, stiffness))
+    power, force = lqg(*matrices, shaping, noise, price)
     found = StationaryPort(spacing, y, np.abs(y) ** 2 * excitation).controlled(Weights(price), share)
     assert found.power == pytest.approx(power, rel=2e-4)
     assert found.force == pytest.approx(force, rel=2e-4)

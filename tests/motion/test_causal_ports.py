@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from motion.test_causal import buoy
+from motion.test_causal import buoy, companion, lqg
+from scipy.linalg import block_diag
 
 from vsb.engine.motion import causal
 from vsb.engine.motion.causal import NOISE, RmsLimits, Weights, numerical_error
@@ -94,3 +95,28 @@ def test_the_controller_absorbs_the_power_of_the_optimum(forecast):
     assert power == pytest.approx(found.power, rel=1e-3)
     beyond = found.force - ports.spacing * np.einsum("wii->", force).real  # what follows noise beyond the band
     assert 0 <= beyond < 5e-3 * found.force
+
+
+@pytest.mark.parametrize(("price", "share"), [(2e-5, 1e-3), (2e-4, 1e-1)])
+def test_rational_ports_agree_with_the_riccati_equation(price, share):
+    """Two coupled masses in two seas; the grid errs with the square of its time step, which extrapolation takes away."""
+    mass, resistance = np.array([[3e4, 4e3], [4e3, 1e4]]), np.array([[4e3, 1e3], [1e3, 3e3]])
+    stiffness = np.array([[8e4, 1e4], [1e4, 9e4]])
+    a_w = block_diag(
+        companion(-0.2 + 1.3j, -0.2 - 1.3j, -0.5 + 1.5j, -0.5 - 1.5j),
+        companion(-0.3 + 1.6j, -0.3 - 1.6j, -0.5 + 1.2j, -0.5 - 1.2j),
+    )
+    b_w, c_w = np.eye(8)[:, [3, 7]], 1e3 * np.kron([[1.0, 0.0], [0.5, 0.7]], [[0.0, 1.0, 0.0, 0.0]])
+    found = []
+    for top in (80.0, 160.0):
+        s = (-1j * (np.arange(int(top / 0.02)) + 0.5) * 0.02)[:, None, None]
+        y = s * np.linalg.inv(mass * s**2 + resistance * s + stiffness)
+        shaped = c_w @ np.linalg.solve(s * np.eye(8) - a_w, b_w + 0j)
+        waves = shaped @ shaped.conj().swapaxes(1, 2) / np.pi
+        ports = StationaryPorts(0.02, y, y @ waves @ y.conj().swapaxes(1, 2))
+        one = ports.controlled(Weights(price), share)
+        found.append([one.power, one.force])
+        peak = np.einsum("wii->w", waves).real.max()
+    expected = lqg(mass, resistance, stiffness, (a_w, b_w, c_w), share * peak * np.pi, price)
+    np.testing.assert_allclose((4 * np.array(found[1]) - found[0]) / 3, expected, rtol=1e-6)
+    np.testing.assert_allclose(found[1], expected, rtol=1e-5)
