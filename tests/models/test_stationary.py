@@ -8,9 +8,11 @@ from pydantic import TypeAdapter
 from vsb.engine.motion.causal import RmsLimits, optimum
 from vsb.engine.motion.port import port_direction
 from vsb.engine.waves.kinds import Wave
+from vsb.models.drag import dragged_port
 from vsb.models.floating_system import FloatingSystem, expected_sea
 from vsb.models.rest import design_motions, reference_shell, study_basis
-from vsb.models.stationary import stationary_ports
+from vsb.models.stationary import optimum_with_drag, stationary_ports
+from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
 PUBLISHED = {
@@ -64,3 +66,44 @@ def test_spread_recorded_and_white_seas_have_spectra_of_their_own(example):
     white, port = power({"kind": "white_noise", "hs": 1.0, "band": [0.8, 3.0]})
     assert port.integral((port.spectrum > 0) * 1.0) == pytest.approx(2.2, abs=0.05)
     assert 0.5 * long < white < 2 * long
+
+
+def test_control_beside_drag_absorbs_what_the_drag_itself_leaves(example):
+    """The same controller beside c |u| u, by harmonic balance over a sea that repeats, its force from what it measures.
+
+    With little drag it is the controller without.
+    """
+    study, floating = example
+    wave = next(wave for wave in study.waves if wave.tp == 5.0)
+    sea, limit = expected_sea(study, wave, floating.linear.database), 8e3
+
+    def found(coefficient):
+        own = varied(study, drag={"heave": {"coefficient": coefficient, "area": 12.5}})
+        system = StudyPlan(own).ladder.system
+        return system, optimum_with_drag(system, floating, "FSB", wave, sea, own.pto, limit)
+
+    _, still = found(1e-6)
+    without = optimum(stationary_ports(floating, wave, sea)["FSB"], RmsLimits(limit))
+    assert still.best.power == pytest.approx(without.power, rel=1e-5)
+    system, own = found(3.0)
+    assert own.best.power < 0.97 * without.power
+    omega = own.port.omega[own.port.omega < floating.band[1]]
+    port = dragged_port(system, floating, "FSB", {0.0: omega})
+    beside, (damping,), (strength,) = port.beside(own.damping), own.damping, port.coefficient
+    gain = own.port.controller(own.best.weights)[: len(omega)]
+    amplitude = np.zeros(len(omega), dtype=complex)
+    phases = np.random.default_rng(2).uniform(0, 2 * np.pi, len(sea.omega))
+    amplitude[np.searchsorted(omega, sea.omega - 1e-9)] = np.abs(sea.amplitude) * np.exp(1j * phases)
+    times = np.arange(1536) * (2 * np.pi / own.port.spacing) / 1536
+    turn = np.exp(-1j * np.outer(times, omega))
+    held, missed, powers = 1 / (1 + port.own[:, 0, 0] * damping), np.zeros(len(omega), dtype=complex), []
+    for _ in range(14):
+        free = beside.velocity * amplitude - port.across[:, 0] * held * missed
+        force = gain * free / beside.admittance
+        powers.append(0.5 * np.real(force.conj() @ (free - beside.admittance * force)))
+        past = held * (port.past[:, 0] * amplitude - port.across[:, 0] * force - port.own[:, 0, 0] * missed)
+        flow = (turn @ past).real
+        missed = 0.5 * missed + (turn.conj().T @ (strength * np.abs(flow) * flow - damping * flow)) / 1536
+    assert powers[-1] == pytest.approx(powers[-2], rel=1e-4)
+    assert powers[0] == pytest.approx(own.best.power, rel=5e-3)  # less what noise costs
+    assert powers[-1] == pytest.approx(powers[0], rel=1e-2)

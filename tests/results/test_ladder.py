@@ -357,6 +357,20 @@ def test_causal_control_lies_between_damper_and_known_future_at_its_force(small,
     assert row.endswith(",1e-06,0.5")
 
 
+def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small):
+    sea, drag = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"heave": {"coefficient": 2.0, "area": 12.0}}
+    data = small.study.model_dump() | {"waves": [sea], "pto": {"tuning": "each"}, "drag": drag}
+    data["designs"] = {"VSWEC": {}}
+    levels = study_ladder(StudyPlan(parse(data)).ladder, small.database_path)
+    for design in data["designs"]:
+        by = {level.rung: level for level in levels if level.design == design}
+        assert by["damper_same_force"].power_mean == by["best_damper"].power_mean
+        assert by["best_damper"].power_mean < by["causal"].power_mean < by["matched"].power_mean
+        assert by["causal"].force_rms == pytest.approx(by["best_damper"].force_rms, rel=1e-6)
+        assert by["causal"].low < by["causal"].power_mean < by["causal"].high
+        assert "equivalent to it under this control" in by["causal"].note
+
+
 def test_damper_is_the_causal_level_where_noise_hides_the_waves(small):
     data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 6.0}]}
     plan = StudyPlan(parse(data | {"pto": {"force_limit": 300.0, "control": {"noise": 0.5}}}))

@@ -1,6 +1,7 @@
 """Causal control in a stationary sea: ports at equally spaced frequencies to beyond the band, controllers in time."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -10,6 +11,7 @@ from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, opti
 from vsb.engine.motion.causal_ports import StationaryPorts
 from vsb.engine.motion.controller import Controller, achieved, realised, within_limit
 from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.drag import GAUSSIAN, MOST_TURNS
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
@@ -17,12 +19,16 @@ from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.kinds import RESOLVED, Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
 from vsb.engine.waves.seas import PARTS, Sea
-from vsb.errors import StabilityError
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.models.drag import dragged_port
 from vsb.models.floating_system import FloatingSystem, heading, heading_in, port_in_seas
+from vsb.study.specs import AnySystem
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 BEYOND = 4.0
 """End of the frequencies of a controller, over that of the band: its force may change within a time step."""
+SAME_DRAG = 1e-6
+"""Relative change of the dampers equivalent to drag with which a controller beside them is found [-]."""
 POINTS = 64
 """Frequencies beyond the band at which the port is computed; between them it is interpolated."""
 
@@ -59,6 +65,53 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
             density = _averaged(density, parts)
         found[design] = continued(spacing, port, far.port(motions, floating.port), density)
     return found
+
+
+class BesideDrag(NamedTuple):
+    """The optimal causal control of a port with quadratic drag, as the damper equivalent to it under this control."""
+
+    port: StationaryPort  # beside the damper
+    best: Controlled
+    damping: FloatArray  # D (dragged,) [N s/m]
+    matched_power: float  # of the port without drag, on the same grid [W]
+
+
+def optimum_with_drag(
+    system: AnySystem, floating: FloatingSystem, design: str, wave: Irregular, sea: Sea, pto: Pto, force: float
+) -> BesideDrag:
+    """Return the optimal causal control, of a given rms force [N], of a design with drag in a sea of one direction.
+
+    Raises `ConvergenceError` if drag and control do not converge.
+
+    Notes
+    -----
+    By statistical linearisation, as dampers have it (`vsb.engine.motion.drag`): the drag is the damper
+    D = sqrt(8/pi) c s, s the standard deviation of the velocity past the water under the controller that is the optimum
+    beside D. Found by repetition, each step halfway on a logarithmic scale.
+    """
+    sea, spacing, at, count = _on_grid(floating, wave, sea)
+    inside, beyond = grid(spacing, count)
+    near, far = (dragged_port(system, floating, design, {heading(wave): omega}) for omega in (inside, beyond))
+    squares, noise, forecast = np.zeros(count), pto.control.noise, pto.control.forecast
+    squares[at] = np.abs(sea.amplitude) ** 2
+
+    def beside(damping: FloatArray) -> tuple[Port, StationaryPort]:
+        seen = near.beside(damping)
+        density = np.abs(seen.velocity) ** 2 * squares / (2 * spacing)
+        return seen, continued(spacing, seen, far.beside(damping), density)
+
+    none = np.zeros(len(near.coefficient))
+    matched = beside(none)[1].matched_power
+    damping = GAUSSIAN * near.coefficient * near.spread(np.zeros(count, dtype=complex), none, squares)
+    for _ in range(MOST_TURNS):
+        seen, port = beside(damping)
+        best = optimum(port, RmsLimits(force), noise, forecast, pto.efficiency)
+        gain = port.controller(best.weights, noise, forecast)[:count]
+        moved = near.spread(gain * seen.velocity * seen.impedance, damping, squares)
+        before, damping = damping, np.sqrt(damping * GAUSSIAN * near.coefficient * moved)
+        if np.all(np.abs(damping - before) <= SAME_DRAG * damping):
+            return BesideDrag(port, best, before, matched)
+    raise ConvergenceError(f"drag: no causal control found beside it after {MOST_TURNS} repetitions")
 
 
 def _on_grid(floating: FloatingSystem, wave: Irregular, sea: Sea) -> tuple[Sea, float, IntArray, int]:

@@ -271,13 +271,15 @@ def elsewhere_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def knowledge_text(lines: Lines) -> str:
-    """Return what causal control knows of the waves, in words."""
+def knowledge_text(lines: Lines, dragged: bool = False) -> str:
+    """Return what causal control knows of the waves, and of quadratic drag, in words."""
     if not lines:
         return ""
     noise, forecast = lines[0]["noise"], lines[0]["forecast"]
     ahead = f"the waves {forecast:g} s ahead" if forecast else "no future waves"
-    return f"It knows {ahead}, and measures with noise of {10 * math.log10(noise):.0f} dB of the waves' force."
+    said = f"It knows {ahead}, and measures with noise of {10 * math.log10(noise):.0f} dB of the waves' force."
+    drag = " Drag counts as the damper equivalent to it under this control; no run in time has checked that."
+    return said + drag * dragged
 
 
 def gain_in_brackets(

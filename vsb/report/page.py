@@ -403,7 +403,7 @@ def render(report: Report) -> str:
         tuning=tuning_table(tuned),
         at_force_head=[head.format(superscripts(kind.load_unit)) for head in AT_FORCE],
         at_force=at_force_table(report.at_force),
-        knowledge=knowledge_text(report.at_force),
+        knowledge=knowledge_text(report.at_force, dragged=bool(report.study.get("drag"))),
         elsewhere_head=[head.format(superscripts(kind.load_unit)) for head in ELSEWHERE],
         elsewhere=elsewhere_table(report.elsewhere),
         details_head=details_head,

@@ -55,7 +55,13 @@ from vsb.models.floating_system import (
     study_sea,
 )
 from vsb.models.mode_convergence import one_of_each_family
-from vsb.models.stationary import force_units, forces_alike, stationary_ports, stationary_several
+from vsb.models.stationary import (
+    force_units,
+    forces_alike,
+    optimum_with_drag,
+    stationary_ports,
+    stationary_several,
+)
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
@@ -89,7 +95,7 @@ NAMED = 6
 STILL = "waves do not move this port"
 NUMERICAL = "time step of the controller"
 DAMPER_BETTER = "a damper absorbs no less than the controller with this noise"
-NO_DRAG = "quadratic drag damps each motion by what it does: no linear controller is the best"
+SPREAD_DRAG = "beside quadratic drag causal control is known in seas of one direction alone"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
@@ -177,11 +183,7 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     if dragged is None:
         levels += causal_levels(study, floating, pairs, ports, levels)
     else:
-        irregular = [wave.label for wave in waves if isinstance(wave, IrregularSea)]
-        levels += [
-            ControlLevel(design, label, CAUSAL, None, None, None, None, None, None, None, None, NO_DRAG)
-            for design, label in product(study.designs, irregular)
-        ]
+        levels += causal_levels_with_drag(study, floating, pairs, levels)
     levels.sort(key=partial(_order, list(study.designs), list(seas)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
     return [*levels, *material_levels(study, floating, seas, levels)]
@@ -548,6 +550,54 @@ def causal_level(
         return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
     away = numerical_error(port, best, noise, forecast)
     return unknown._replace(power_mean=power, limit_fraction=share, force_rms=best.force_rms, numerical=away)
+
+
+def causal_levels_with_drag(
+    study: LadderSpec, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], levels: Sequence[ControlLevel]
+) -> list[ControlLevel]:
+    """Return the optimal causal control beside quadratic drag in every irregular sea, and the damper of its rms force.
+
+    That is the optimal damper: beside drag the take-off has no limits. The drag of each level is the damper equivalent
+    to it under that level.
+    """
+    by = {(level.design, level.wave, level.rung): level for level in levels}
+    pto, found = study.pto, []
+    for (wave, sea), design in product(seas, study.designs):
+        if not isinstance(wave, IrregularSea):
+            continue
+        best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
+        if not best.force_rms or not matched.power_mean:
+            continue
+        noise, forecast = pto.control.noise, pto.control.forecast
+        unknown = best._replace(
+            rung=CAUSAL, damping=None, stiffness=None, power_mean=None, limit_fraction=None, force_rms=None,
+            force_peak=None, stroke_peak=None, noise=noise, forecast=forecast,
+        )  # fmt: skip
+        if sea.heading is not None:
+            found.append(unknown._replace(note=SPREAD_DRAG))
+            continue
+        found.append(best._replace(rung=SAME_FORCE))
+        try:
+            own = optimum_with_drag(study.system, floating, design, wave, sea, pto, best.force_rms)
+        except VsbError as error:
+            found.append(unknown._replace(note=str(error)))
+            continue
+        share = own.best.converted(pto.efficiency) / own.matched_power
+        power, dampers = share * matched.power_mean, ", ".join(f"{d:.4g}" for d in own.damping)
+        if (best.power_mean or 0.0) >= power:
+            found.append(best._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER))
+            continue
+        away = numerical_error(own.port, own.best, noise, forecast)
+        found.append(
+            unknown._replace(
+                power_mean=power,
+                limit_fraction=share,
+                force_rms=own.best.force_rms,
+                numerical=away,
+                note=f"the controller for drag as the dampers equivalent to it under this control, {dampers} N s/m",
+            )
+        )
+    return found
 
 
 def causal_levels_of_several(

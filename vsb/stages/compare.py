@@ -65,7 +65,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         means = mean_powers(compared, rows, runs, ladder, found.response, samples)
         tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
         controlled = at_force(compared, ladder)
-        if controlled and not compared.pto.several:
+        if controlled and not (compared.pto.several or compared.plates):
             other_seas = elsewhere(compared, floating_system(compared, found.path("database")), compared.drawn_waves)
         rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
         checks += irregular.statistical_checks(compared, lines)

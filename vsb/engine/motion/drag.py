@@ -81,6 +81,7 @@ class DraggedPort:
         buoy : LinearSystem
             In the waves of the flow.
         omega : ndarray, shape (omega,) [rad/s]
+            Outside its band with the coefficients of the nearest end.
         motions : ndarray, shape (dof, free)
         direction : ndarray, shape (dof,)
             b.
@@ -91,7 +92,7 @@ class DraggedPort:
         coefficient : ndarray, shape (dragged,) [kg/m]
         """
         rate = -1j * omega
-        equation = buoy.equation(omega)
+        equation = buoy.extended_equation(omega)
         moved = [equation.free_motion(motions, one) for one in dragged]
         forced = np.stack([free_velocity for _, free_velocity in moved], axis=-1)  # (omega, dof, dragged)
         port = equation.port(motions, direction)
@@ -130,6 +131,21 @@ class DraggedPort:
         held = self.across * (load / (1 + self.port.admittance * load))[..., None]
         flow = self.past - held * self.port.velocity[:, None]
         return Relative(flow, self.own - held[..., :, None] * self.across[:, None, :])
+
+    def spread(self, force: ComplexArray, damping: FloatArray, squares: FloatArray) -> FloatArray:
+        """Return the root mean squares of u under a force at the port, shape (dragged,) [m/s].
+
+        Parameters
+        ----------
+        force : ndarray, shape (omega,) [N/m]
+            Per wave amplitude.
+        damping : ndarray, shape (dragged,) [N s/m]
+            D.
+        squares : ndarray, shape (omega,) [m^2]
+        """
+        flow = Relative((self.past - self.across * force[:, None])[None], self.own[None])
+        moved = flow.with_drag(damping[None], np.zeros(1, dtype=np.intp))[0]
+        return np.asarray(np.sqrt(0.5 * squares @ np.abs(moved) ** 2))
 
     def equivalent(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
         """Return D of every load in every sea, shape (load, sea, dragged) [N s/m].
