@@ -39,6 +39,8 @@ CAPSULE = SPHEROID | {"device": SPHEROID["device"] | {"shape": {"capsule": {"len
 INFLATED = CAPSULE | {"reference_shape": "equilibrium", "device": CAPSULE["device"] | {"internal_pressure": 2e4}}
 EGG = [[np.sin(a) * (1 + 0.1 * np.cos(a)), np.cos(a)] for a in np.linspace(0.0, np.pi, 13)[1:-1]]
 EGG = CAPSULE["device"] | {"internal_pressure": 2e4, "shape": {"profile": [[0.0, 1.0], *EGG, [0.0, -1.0]]}}
+SERIES = {"radial": [1.0, 0.1, 0.04], "axial": [0.9, -0.05, 0.02]}
+SERIES = INFLATED | {"device": INFLATED["device"] | {"shape": {"series": SERIES}}}
 INFLATED_EGG = CAPSULE | {"reference_shape": "equilibrium", "device": EGG}
 BELT = {"strain": "hoop", "belt": [60, 120]}
 SEVERAL = {
@@ -110,6 +112,14 @@ def differences(model, variable, part):
         ("VSWEC", PORT | {"pto": SEVERAL["spread"]}, "device.radius"),
         ("VSWEC", RUBBER | {"pto": SEVERAL["spread"]}, "device.material.mu"),
         ("VSWEC90", PORT | {"pto": SEVERAL["spread"] | {"damping": 0.05}}, "pto.damping"),
+        ("VSWEC", PORT | {"pto": {"port": {"strain": "area", "belt": [60, 120]}}}, "pto.port.belt.0"),
+        ("VSWEC90", SPHEROID | {"pto": {"port": {"strain": "meridional", "belt": [30, 120]}}}, "pto.port.belt.1"),
+        ("VSWEC", CAPSULE | {"pto": {"port": BELT}}, "pto.port.belt.1"),
+        ("VSWEC", SPHEROID | {"pto": {"port": {"between": [10, 150]}}}, "pto.port.between.0"),
+        ("VSWEC", PORT | {"pto": {"ports": {"b": BELT, "v": "volume"}}}, "pto.port.ports.b.belt.0"),
+        ("FSB", SERIES, "device.shape.series.radial.2"),
+        ("VSWEC90", SERIES, "device.shape.series.axial.1"),
+        ("VSWEC", SERIES, "device.radius"),
         ("VSWEC", RUBBER, "device.material.jm"),
         ("VSWEC", RUBBER, "device.material.mu"),
     ],

@@ -42,6 +42,7 @@ from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
 from vsb.stages.make import best_so_far
 from vsb.stages.stage import run_task
+from vsb.study.campaign import study_at
 from vsb.study.design import PARTS, load_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plans import plan_of
@@ -375,6 +376,31 @@ def test_the_order_of_a_file_changes_nothing(folder):
     other = planned(folder, "ordered", dict(reversed(MANY.items())), **turned(sections))
     assert [*one.starts, *one.rigid_starts, *one.fronts] == [*other.starts, *other.rigid_starts, *other.fronts]
     assert one.identity == other.identity
+
+
+def test_ends_of_belts_and_terms_of_shapes_are_variables_where_they_may_move(folder):
+    shape = {"series": {"radial": [1.0, 0.1], "axial": [0.9]}}
+    study = shell_with(
+        folder,
+        "belted",
+        pto={"port": {"strain": "hoop", "belt": [60, 120]}},
+        device={**STUDY["device"], "shape": shape},
+    )
+    free = {"pto.port.belt.1": [100, 150], "device.shape.series.radial.1": [-0.1, 0.2], "pto.port.belt.0": [40, 80]}
+    plan = planned(folder, "belts", free, study=study, competitor={"port": "heave"})
+    assert [one.key for one in plan.flexible.variables] == sorted(free)
+    assert [one.key for one in plan.rigid.variables] == ["device.shape.series.radial.1"]  # a rigid buoy has a shape
+    at = study_at(plan.flexible.base, {"pto.port.belt.0": 45.0, "device.shape.series.radial.1": 0.05})
+    assert at.pto.port.belt == (45.0, 120.0)
+    assert at.device.shape.series.radial == (1.0, 0.05)
+    for key, bounds, words in (
+        ("pto.port.belt.0", [40, 130], "may reach pto.port.belt.1"),
+        ("pto.port.between.0", [40, 80], "has no pto.port.between.0"),
+        ("device.shape.series.radial.2", [0.1, 0.2], "has no device.shape.series.radial.2"),
+        ("device.shape.profile.2.0", [0.1, 0.2], "needs one of"),
+    ):
+        with pytest.raises(ConfigError, match=re.escape(words)):
+            planned(folder, "belts", {key: bounds}, study=study, competitor={"port": "heave"})
 
 
 def shell_with(folder, name, **changes):

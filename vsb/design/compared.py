@@ -125,9 +125,7 @@ def sphere(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
 def _of_both(spec: DesignSpec) -> tuple[Variable, ...]:
     """Variables of the flexible buoy without those of a take-off that rigid buoys have not."""
     own, rigid = (Pto(**search.base["pto"]) for search in (spec.flexible, spec.rigid))
-    if own.port == rigid.port:
-        return spec.flexible.variables
-    kept = OF_RIGID if comparable(own) else ()
+    kept = OF_RIGID if own.port == rigid.port or comparable(own) else ()
     return tuple(one for one in spec.flexible.variables if not one.key.startswith("pto.") or one.key in kept)
 
 

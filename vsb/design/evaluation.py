@@ -9,7 +9,7 @@ import numpy as np
 from vsb.design.controlled import ControlGrid, ControlledYear, controlled_band
 from vsb.design.fatigue import damage
 from vsb.design.limits import hull, inverse_load_factors, static_strain
-from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
+from vsb.design.linearised import CLAMPED, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
 from vsb.design.several import SeveralYear
 from vsb.design.year import FrequencyGrid, PortYear, YearMotion, band, chebyshev, interpolation
@@ -21,14 +21,14 @@ from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.campaign import sections, study_at
-from vsb.study.design import VARIABLES, Fatigue
+from vsb.study.design import ANGLE, CLAMP, NUMBERED, VARIABLES, Fatigue, is_variable
 from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
 NEEDED = ("thin_shell", "least_draft", "floats")
 """Limits of every buoy beyond which there is nothing to evaluate."""
-DAMPER, SPRING, PORT = "pto.damping", "pto.stiffness", "pto.port.colatitude"
+DAMPER, SPRING = "pto.damping", "pto.stiffness"
 NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
@@ -127,9 +127,11 @@ class DesignModel:
         """
         if design not in study.designs:
             raise ConfigError(f"design: received {design!r}; needs one of {', '.join(study.designs)}")
-        known = (*VARIABLES, *(f"designs.{name}.clamp" for name, one in study.designs.items() if one.clamp))
-        if unknown := [key for key in variables if key not in known]:
-            raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(known)}")
+        clamps = [f"designs.{name}.clamp" for name, one in study.designs.items() if one.clamp]
+        unknown = [key for key in variables if not is_variable(key) or (CLAMP.fullmatch(key) and key not in clamps)]
+        if unknown:
+            known = ", ".join((*VARIABLES, *NUMBERED, *clamps))
+            raise ConfigError(f"variables: received {unknown[0]}; needs some of {known}")
         if study.motion != "heave":
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
         if study.device.damping.maxwell:
@@ -233,9 +235,9 @@ class DesignModel:
         study = self.study_at(values)
         buoy = RestingBuoy.of(study, self.degree)
         of_device, stepped = self._stepped(buoy)
-        angles: dict[str, Angle] = {f"designs.{self.design}.clamp": "clamp", PORT: "port"}
-        turned = [i for i, key in enumerate(self.variables) if key in angles]
-        steps = [*stepped, *(angles[self.variables[i]] for i in turned)]
+        clamp = f"designs.{self.design}.clamp"
+        turned = [i for i, key in enumerate(self.variables) if key == clamp or ANGLE.fullmatch(key)]
+        steps: list[Stepped | str] = [*stepped, *(self.variables[i].replace(clamp, CLAMPED) for i in turned)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
         places = of_device + turned

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import null_space
@@ -13,15 +13,25 @@ from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.motion.port import port_direction
-from vsb.engine.motion.take_off import DistributedPort, DofPort, SeveralPorts, ShellPort, SinglePort
+from vsb.engine.motion.take_off import (
+    BetweenPort,
+    DistributedPort,
+    DofPort,
+    SeveralPorts,
+    ShellPort,
+    SinglePort,
+    StrainPort,
+)
 from vsb.engine.shell.modes import DISTINCT
 from vsb.engine.shell.shell import Curve
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, mooring_rows
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
-Angle = Literal["clamp", "port"]
-"""A colatitude that is varied."""
+Angle = str
+"""A colatitude that is varied: that of the clamp, or of a port by its key."""
+CLAMPED = "clamp"
+"""The first."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +129,10 @@ def linearised(
         radiation_change = radiation_change + mixed + mixed.swapaxes(-1, -2)
         excitation_change = excitation_change + (solved.excitation[:, None, None] @ turned.swapaxes(-1, -2))[..., 0, :]
     sized = values.port.shape
-    by_port = np.reshape([_port_slope(buoy) if one == "port" else np.zeros(sized) for one in steps], (count, *sized))
+    turned_by = [
+        np.zeros(sized) if isinstance(one, Stepped) or one == CLAMPED else _port_slope(buoy, one) for one in steps
+    ]
+    by_port = np.reshape(turned_by, (count, *sized))
     changes = Linearised(
         change(lambda b: b.matrices.mass, dof, dof),
         change(lambda b: b.matrices.damping, dof, dof),
@@ -188,20 +201,43 @@ def _membrane_stiffness(buoy: RestingBuoy) -> AnyArray:
     return stiffness if buoy.frame is None else buoy.frame.T @ stiffness @ buoy.frame
 
 
-def _port_slope(buoy: RestingBuoy) -> FloatArray:
-    """Derivative of the motion of a port at a ring of the shell by its colatitude [1/degree]."""
-    port, basis = buoy.study.pto.port, buoy.loaded.basis
-    if not isinstance(port, ShellPort):
-        raise ConfigError(
-            "pto.port.colatitude: received another port; derivatives by it need one at a ring of the shell"
-        )
-    at = np.deg2rad([port.colatitude])
-    radial, meridional, *slopes = basis.displacement_and_slope(at)
-    slope = slopes[0]
-    if port.direction == "vertical":
-        slope = (slopes[0] - meridional) * np.cos(at) - (slopes[1] + radial) * np.sin(at)
-    found = np.deg2rad(slope[:, 0])
-    return _against(port, found if buoy.frame is None else found @ buoy.frame)
+def _port_slope(buoy: RestingBuoy, key: str) -> FloatArray:
+    """Derivative of `_port` by a colatitude of a port [1/degree]."""
+    port, basis, shape = buoy.study.pto.port, buoy.loaded.basis, buoy.shape
+    _, _, name, *rest = key.split(".")
+    if isinstance(port, SeveralPorts):
+        one = _port_slope(_at_port(buoy, port.ports[rest[0]]), ".".join(["pto", "port", *rest[1:]]))
+        return np.array([one * (other == rest[0]) for other in port.ports])
+    given = {"colatitude": ShellPort, "belt": StrainPort, "between": BetweenPort}[name]
+    if not isinstance(port, given):
+        raise ConfigError(f"{key}: received another port; derivatives by it need one that has it")
+    at = np.deg2rad([port.colatitude] if isinstance(port, ShellPort) else getattr(port, name))
+    m = shape.meridian(at)
+    if isinstance(port, ShellPort):
+        slopes = basis.displacement_and_slope(at)[2:]
+        slope = slopes[0][:, 0] if port.direction == "radial" else m.dshape_z[:, 0]
+        found = np.deg2rad(slope)
+        return _against(port, found if buoy.frame is None else found @ buoy.frame)
+    end, sign = int(rest[0]), 2 * int(rest[0]) - 1
+    if isinstance(port, StrainPort):
+        arc, (hoop, meridional, area) = np.hypot(m.dx, m.dz)[end], shape.strain_gradients(*map(float, at))
+        around = 2 * np.pi * arc * m.shape_x[:, end]
+        along = 2 * np.pi * m.x[end] / arc * (m.dshape_x * m.dx + m.dshape_z * m.dz)[:, end]
+        ring = 2 * np.pi * m.x[end] * arc
+        parts = {
+            "area": around + along,
+            "hoop": (around - ring * hoop) / area,
+            "meridional": (along - ring * meridional) / area,
+        }
+        slope = sign * parts[port.strain]
+    else:
+        chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
+        apart = np.array([np.diff(m.shape_x)[:, 0], np.diff(m.shape_z)[:, 0]])
+        by_chord, by_shape = np.array([m.dx, m.dz])[:, end], np.array([m.dshape_x, m.dshape_z])[:, :, end]
+        far = np.linalg.norm(chord)
+        slope = sign * (by_chord @ apart + chord @ by_shape - (chord @ by_chord) * (chord @ apart) / far**2) / far
+    found = np.deg2rad(slope) * (np.arange(len(slope)) > 0)
+    return np.asarray(found if buoy.frame is None else found @ buoy.frame)
 
 
 def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:
@@ -222,7 +258,7 @@ def motions_of(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle])
     Parameters are those of `linearised`.
     """
     motions, flexible = _motions(buoy, design), buoy.study.designs[design].flexible
-    if "clamp" in steps or (flexible and buoy.frame is not None):
+    if CLAMPED in steps or (flexible and buoy.frame is not None):
         return motions, _motions_change(buoy, design, steps, motions)
     return motions, np.zeros((len(steps), *motions.shape))
 
@@ -244,13 +280,13 @@ def _motions_change(
     Of Phi N = 0 remains Phi dN = -dPhi N, whose least solution turns the motions without mixing them.
     """
     colatitudes = buoy.study.designs[design].clamp
-    if "clamp" in steps and (len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0)):
+    if CLAMPED in steps and (len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0)):
         raise ConfigError(
             f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
         )
     rows, by_clamp = _held(buoy, design), np.deg2rad(_held(buoy, design, derivative=True))
     slopes = [
-        one.derivative(lambda b: _held(b, design)) if isinstance(one, Stepped) else by_clamp * (one == "clamp")
+        one.derivative(lambda b: _held(b, design)) if isinstance(one, Stepped) else by_clamp * (one == CLAMPED)
         for one in steps
     ]
     turned = [-np.linalg.pinv(rows, rcond=DISTINCT) @ slope @ motions for slope in slopes]

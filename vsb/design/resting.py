@@ -16,10 +16,11 @@ from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.engine.shell.material import Hookean
-from vsb.engine.shell.meridian import ClosedMeridian, capsule, spheroid, through
+from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid, through
 from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.shell.shell import Curve, Shell
 from vsb.errors import ConfigError
+from vsb.keys.quantities import at_key
 from vsb.models.rest import loaded_shell, stiffness_about
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -33,8 +34,8 @@ OF_MATERIAL = ("material.mu", "material.c1", "material.c2", "material.jm")
 OF_DAMPING = ("damping.alpha", "damping.beta")
 """Those of structural damping."""
 HEIGHT, LENGTH = "shape.spheroid.height", "shape.capsule.length"
-OF_SHAPE = ("radius", HEIGHT, LENGTH)
-"""Those that a meridian other than the sphere's depends on."""
+OF_SHAPE, SERIES = ("radius", HEIGHT, LENGTH), "shape.series."
+"""Those that a meridian other than the sphere's depends on, and how those of terms of one begin."""
 
 
 class Matrices(NamedTuple):
@@ -155,10 +156,8 @@ def step_of(study: Study, key: str) -> float:
 
 def value_of(study: Study, key: str) -> float:
     """Return the value of a key of a study, such as device.damping.beta; raises `ConfigError` if it has none."""
-    found: Any = study
-    for word in key.split("."):
-        if (found := getattr(found, word, None)) is None:
-            raise ConfigError(f"variables: received {key}, which the study has not; needs a key of it")
+    if (found := at_key(study, key)) is None:
+        raise ConfigError(f"variables: received {key}, which the study has not; needs a key of it")
     return float(found)
 
 
@@ -173,8 +172,11 @@ def with_values(study: Study, values: Mapping[str, float]) -> Study:
 
 
 def _with(part: Any, path: Sequence[str], value: float) -> Any:
-    """A section, or a mapping of sections, with the value of a key."""
+    """A section, a mapping of sections or a list with the value of a key."""
     first, *rest = path
+    if isinstance(part, tuple):
+        place = int(first)
+        return (*part[:place], _with(part[place], rest, value) if rest else value, *part[place + 1 :])
     if isinstance(part, Mapping):
         return {**part, first: _with(part[first], rest, value)}
     if not rest:
@@ -191,6 +193,10 @@ def _reshaped(device: Device, name: str, step: complex) -> ClosedMeridian:
         return spheroid(radius, shape.spheroid.height + steps.get(HEIGHT, 0.0))
     if shape.capsule:
         return capsule(radius, shape.capsule.length + steps.get(LENGTH, 0.0))
+    if terms := shape.series:
+        if name.startswith(SERIES):
+            terms = _with(terms, name.split(".")[2:], at_key(device, name) + step)
+        return series(terms.radial, terms.axial, radius)
     factor = radius / device.radius  # a profile is scaled to its radius
     return through(shape.profile or (), device.radius).scaled(factor, factor)
 
@@ -215,9 +221,9 @@ def with_variable(loaded: LoadedShell, key: str, step: complex, device: Device) 
         changed = {of_law: getattr(basis.shell.rubber, of_law) + step}
         rubber = replace(basis.shell.rubber, **changed)  # type: ignore[type-var]  # all laws are dataclasses
         changed = {"shell": replace(basis.shell, rubber=rubber, young_modulus=rubber.young_modulus)}
-    elif name in OF_SHELL or name in OF_SHAPE:
+    elif name in OF_SHELL or name in OF_SHAPE or name.startswith(SERIES):
         changed = {name: getattr(basis.shell, name) + step} if name in OF_SHELL else {}
-        if basis.shell.rest is not None and name in OF_SHAPE:
+        if basis.shell.rest is not None and (name in OF_SHAPE or name.startswith(SERIES)):
             changed["rest"] = _reshaped(device, name, step)
         changed = {"shell": replace(basis.shell, **changed)}
     else:

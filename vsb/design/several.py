@@ -19,8 +19,8 @@ from vsb.design.year import YearMotion
 from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix
 from vsb.tools.arrays import ComplexArray, FloatArray
 
-NEWTON_STEPS = 3
-"""From where quasi-Newton ends: powers are then optimal to round-off, dampers to 1e-6."""
+NEWTON_STEPS = 5
+"""From where quasi-Newton ends: of ports that matter powers are then optimal to 1e-9 and better."""
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,9 @@ KEYS: dict[str, dict[str, Key]] = {
     "Shape": {
         "spheroid": Key("", "{height: 3.0}", "ellipsoid of revolution; the radius is that of its equator"),
         "capsule": Key("", "{length: 1.0}", "cylinder between two hemispheres"),
+        "series": Key(
+            "", "{radial: [1.0, 0.05], axial: [0.8]}", "smooth shape by terms of a series, scaled to the radius"
+        ),
         "profile": Key(
             "",
             "profile.csv",
@@ -112,6 +115,10 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Spheroid": {"height": Key("m", "3.0", "height from pole to pole")},
     "Capsule": {"length": Key("m", "1.0", "length of the cylinder; its height is two radii more")},
+    "Series": {
+        "radial": Key("-", "[1.0, 0.05]", "a_1, a_2, ... of the radius x = sum a_k sin k phi, phi from top to keel"),
+        "axial": Key("-", "[0.8, 0.0, 0.1]", "b_1, b_2, ... of the height z = sum b_k cos k phi"),
+    },
     "Hookean": {"law": Key("", "hookean", "Hooke's law, with young_modulus and poisson_ratio of the device")},
     "NeoHookean": {
         "law": Key("", "neo_hookean", "rubber to stretches of about 1.5"),

@@ -117,6 +117,17 @@ class Brief(Section):
         return {key: value for key, value in said.items() if key not in absent}
 
 
+def at_key(data: object, key: str) -> Any:
+    """Return what stands at a key such as device.shape.series.radial.1 in sections, mappings and lists; or None."""
+    found: Any = data
+    for word in key.split("."):
+        if isinstance(found, list | tuple):
+            found = found[int(word)] if word.isdigit() and int(word) < len(found) else None
+        else:
+            found = found.get(word) if isinstance(found, dict) else getattr(found, word, None)
+    return found
+
+
 def canonical(data: object) -> str:
     """Return the canonical JSON of plain data: sorted keys, no spaces, infinity as a string."""
     return json.dumps(_plain(data), sort_keys=True, separators=(",", ":"), allow_nan=False)

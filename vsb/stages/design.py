@@ -44,8 +44,10 @@ class BestSoFar:
         """See one more buoy."""
         if point.violation <= VIOLATION and point.objective > self.objective:
             self.objective = point.objective
-            named = zip((one.key.rpartition(".")[2] for one in self.search.variables), point.values, strict=True)
-            words = ", ".join(f"{name} {value:.4g}" for name, value in named)
+            named = zip(self.search.variables, point.values, strict=True)
+            words = ", ".join(
+                f"{one.key.removeprefix('device.').removeprefix('pto.')} {value:.4g}" for one, value in named
+            )
             print(f"best so far: {point.objective:.6g} {self.search.maximise} with {words}", flush=True)
 
 

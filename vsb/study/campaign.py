@@ -428,10 +428,21 @@ MATRICES = ("body.mass", "body.damping", "body.stiffness")
 """Sections of a study whose keys are degrees of freedom; a study need not have them."""
 
 
-def _with(raw: dict[str, Any], path: list[str], value: object, key: str) -> dict[str, Any]:
+def _with_item(items: Sequence[Any], path: list[str], value: object, key: str) -> Any:
+    """A list with one value set, counted from 0."""
+    first, *rest = path
+    if not first.isdigit() or int(first) >= len(items):
+        raise ConfigError(f"{key}: needs a number below {len(items)} in place of {first}")
+    place = int(first)
+    return [*items[:place], _with(items[place], rest, value, key) if rest else value, *items[place + 1 :]]
+
+
+def _with(raw: Any, path: list[str], value: object, key: str) -> Any:
     """Nested mappings with one value set; the last word may be new: an option that is off by default."""
     first, *rest = path
-    if rest and not isinstance(raw.get(first) or {}, dict):
+    if isinstance(raw, list | tuple):
+        return _with_item(raw, path, value, key)
+    if rest and not isinstance(raw.get(first) or {}, dict | list | tuple):
         raise ConfigError(f"{key}: {first} is a value, which has no key {rest[0]}")
     if rest and first not in raw and not key.startswith(MATRICES):
         raise ConfigError(f"{key}: the study has no {first}; needs one of {', '.join(raw)}")

@@ -16,7 +16,7 @@ from vsb.engine.motion.take_off import Pto, SeveralPorts, port_kind
 from vsb.engine.shell.device import Device
 from vsb.errors import ConfigError
 from vsb.keys.meanings import KEYS, Key
-from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section
+from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section, at_key
 from vsb.keys.reading import Located, nearest, read_yaml, validated
 from vsb.keys.schema import range_at, schema_of
 from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, study_at
@@ -32,8 +32,14 @@ VARIABLES = (
     "device.damping.alpha", "device.damping.beta", "device.material.mu", "device.material.c1", "device.material.c2",
     "device.material.jm", "pto.damping", "pto.stiffness", "pto.port.colatitude",
 )  # fmt: skip
-"""Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp."""
+"""Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp, and `NUMBERED`."""
+NUMBERED = ("pto.port.belt.0", "pto.port.between.0", "pto.port.ports.NAME.colatitude", "device.shape.series.radial.1")
+"""Examples of keys of numbers in lists, counted from 0, and of one of several ports."""
 CLAMP = re.compile(r"designs\.(\w+)\.clamp")
+ANGLE = re.compile(r"pto\.port\.(?:ports\.\w+\.)?(?:colatitude|(?:belt|between)\.[01])")
+"""Keys of colatitudes of a port, or of one of several: of a ring, of the upper and lower end of a belt, of points."""
+TERM = re.compile(r"device\.shape\.series\.(?:radial|axial)\.\d+")
+"""Keys of terms of a shape, counted from 0."""
 OF_RIGID = (
     "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.mass", "pto.damping",
     "pto.stiffness",
@@ -151,21 +157,32 @@ def comparable(pto: Pto) -> bool:
 def _read_variables(raw: object) -> object:
     """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings.
 
-    In the order of `VARIABLES`, whatever that of the file: starts are drawn by the place of a variable in the list.
+    In the order of `VARIABLES`, others after them by name, whatever that of the file: starts are drawn by the place of
+    a variable in the list.
     """
     if isinstance(raw, list | tuple):
         return raw
     if not isinstance(raw, Mapping) or not raw:
         raise ValueError(f"received {raw!r}, needs keys of the study, each with {_FORMS}")
     found = [_variable(str(key), given) for key, given in raw.items()]
-    return tuple(sorted(found, key=lambda one: VARIABLES.index(one.key) if one.key in VARIABLES else len(VARIABLES)))
+    return tuple(sorted(found, key=lambda one: _order(one.key)))
+
+
+def _order(key: str) -> tuple[int, str]:
+    """What variables are sorted by."""
+    return (VARIABLES.index(key), "") if key in VARIABLES else (len(VARIABLES), key)
+
+
+def is_variable(key: str) -> bool:
+    """Return whether derivatives are taken by a key of a study, if the study has it."""
+    return key in VARIABLES or any(pattern.fullmatch(key) for pattern in (CLAMP, ANGLE, TERM))
 
 
 def _variable(key: str, given: object) -> Variable:
     """One variable."""
-    if key not in VARIABLES and not CLAMP.fullmatch(key):
+    if not is_variable(key):
         near = nearest(key, VARIABLES)
-        known = f"{', '.join(VARIABLES)}, or designs.NAME.clamp"
+        known = f"{', '.join(VARIABLES)}, {', '.join(NUMBERED)}, or designs.NAME.clamp"
         raise ValueError(f"{key}: needs one of {known}" + (f"; did you mean {near}?" if near else ""))
     ends: Any = given
     log = isinstance(given, Mapping) and set(given) == {"log"}
@@ -177,7 +194,8 @@ def _variable(key: str, given: object) -> Variable:
         low, high = (float(end) for end in ends)
     except (TypeError, ValueError):
         raise ValueError(f"{key}: received {given!r}, needs {_FORMS}") from None
-    least, most = range_at(schema_of(Study), key.split("."))
+    place = "pto.port.colatitude" if ANGLE.fullmatch(key) else key
+    least, most = (-math.inf, math.inf) if TERM.fullmatch(key) else range_at(schema_of(Study), place.split("."))
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{key}: received {given!r}, needs finite bounds")
     if not high - low > NARROWEST * max(abs(low), abs(high)):
@@ -471,7 +489,12 @@ def competing(problem: Optimisation, study: Study) -> tuple[str, ...]:
     if problem.competitor.variables is not None:
         return problem.competitor.variables
     own = problem.competitor.port is None or comparable(study.pto)
-    return tuple(key for key in OF_RIGID if own or not key.startswith("pto."))
+    return tuple(one.key for one in problem.variables if of_rigid(one.key) and (own or not one.key.startswith("pto.")))
+
+
+def of_rigid(key: str) -> bool:
+    """Return whether a rigid buoy has a variable as well: its size, shape, mass and take-off."""
+    return key in OF_RIGID or bool(TERM.fullmatch(key))
 
 
 def load_design(path: str | Path) -> LoadedDesign:
@@ -613,9 +636,7 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
 
 def _value(study: Study, key: str) -> float | None:
     """The value of a key of a study; None of one it has not."""
-    found: Any = study
-    for word in key.split("."):
-        found = getattr(found, word, None)
+    found = at_key(study, key)
     return found if isinstance(found, int | float) else None
 
 
@@ -637,6 +658,15 @@ def _check_variables(problem: Optimisation, study: Study, given: object, mistake
             )
         elif key.startswith(("device.", "pto.port.")) and _value(study, key) is None:
             mistakes.add(("variables", key), f"{problem.study} has no {key}; remove it from the variables")
+    for key in (key for key in keys if key.endswith((".belt.0", ".between.0", ".belt.1", ".between.1"))):
+        other = key[:-1] + "10"[int(key[-1])]
+        if _value(study, key) is None or (key.endswith("1") and other in keys):
+            continue
+        upper, lower = sorted((key, other))
+        highest = keys[upper].high if upper in keys else _value(study, upper)
+        lowest = keys[lower].low if lower in keys else _value(study, lower)
+        if highest is not None and lowest is not None and highest >= lowest:
+            mistakes.add(("variables", key), f"received bounds at which {upper} may reach {lower}; needs smaller ones")
     if "device.radius" in keys and "device.mass" not in keys and "mass" not in device:
         mistakes.add(
             ("variables", "device.radius"),
@@ -655,7 +685,7 @@ def _check_competitor(problem: Optimisation, study: Study, mistakes: _Mistakes) 
     """Check what the competitor is optimised in."""
     keys = [one.key for one in problem.variables]
     for key in problem.competitor.variables or ():
-        if key not in OF_RIGID:
+        if not of_rigid(key):
             mistakes.add(("competitor", "variables"), f"received {key}; a rigid buoy has only {', '.join(OF_RIGID)}")
         elif key.startswith("pto.") and problem.competitor.port and not comparable(study.pto):
             mistakes.add(
@@ -697,14 +727,14 @@ def _ranges(problem: Optimisation, study: Study) -> dict[str, Ranges]:
     """What decides how the flexible buoy and its competitor float, by design."""
     flexible, rigid = problem.optimise or first_flexible(study), study.reference_design or "FSB"
     ends = {one.key: (one.low, one.high) for one in problem.variables}
-    of_rigid = {key: pair for key, pair in ends.items() if key in competing(problem, study)}
+    of_competitor = {key: pair for key, pair in ends.items() if key in competing(problem, study)}
     limits, device, water = problem.limits, study.device, study.water
     return {
         flexible: Ranges(device, water, ends, limits.given, study.at_equilibrium),
         rigid: Ranges(
             device.model_copy(update=_no_wall(device, problem.variables)),
             water,
-            of_rigid,
+            of_competitor,
             limits.without_shell().given,
             deforms=False,
         ),

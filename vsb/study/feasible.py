@@ -41,6 +41,8 @@ CELLS, CELLS_OF_SHAPE = 200, 10
 DEEPER = 1.02
 """Least depth of the water in drafts."""
 HEIGHTS = ("device.shape.spheroid.height", "device.shape.capsule.length")
+SERIES = "device.shape.series."
+"""What keys of terms of a shape begin with."""
 ROUND_OFF = 1e-9
 """Relative excess that is none."""
 WHY = {
@@ -180,9 +182,11 @@ class Ranges:
     def _hull(self, radius: float, end: int) -> tuple[float, float, float]:
         """Area [m^2], volume and volume below the least draft [m^3] of a hull with the least (0) or largest (1) height.
 
-        Of a hull that cannot be made, bounds that exclude nothing.
+        Of a hull that cannot be made, or whose terms are varied, bounds that exclude nothing.
         """
         shape = self.device.shape
+        if any(key.startswith(SERIES) for key in self.bounds):
+            return 0.0, math.inf if end else 0.0, 0.0
         for key in (key for key in HEIGHTS if key in self.bounds and shape):
             kind, name = key.split(".")[2:]
             sized = getattr(shape, kind).model_copy(update={name: self.bounds[key][end]})

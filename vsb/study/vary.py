@@ -151,7 +151,8 @@ _DIGITS = 12
 def unit(key: str, kind: PortKind = FORCE) -> str:
     """Return the unit of a key, of a take-off's at a kind of port; a damper of one design has that of all."""
     key = DAMPING if key.startswith(f"{DAMPING}.") else key
-    return str(getattr(kind, AT_PORT[key])) if key in AT_PORT else UNITS.get(key.rpartition(".")[2], "1")
+    word = next(word for word in reversed(key.split(".")) if not word.isdigit())
+    return str(getattr(kind, AT_PORT[key])) if key in AT_PORT else UNITS.get(word, "1")
 
 
 class Vary(Section):

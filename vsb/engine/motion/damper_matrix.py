@@ -182,7 +182,7 @@ def _newton_step(loss: Callable[[FloatArray], tuple[float, FloatArray]], x: Floa
     steps = 1e-5 * np.diag(1 + np.abs(x))
     hessian = np.array([(loss(x + step)[1] - loss(x - step)[1]) / (2 * step.sum()) for step in steps])
     bends, directions = np.linalg.eigh((hessian + hessian.T) / 2)
-    kept = bends > 1e-7 * bends[-1]
+    kept = bends > 1e-9 * bends[-1]
     moved = x - directions[:, kept] @ ((slope @ directions[:, kept]) / bends[kept])
     after, slope_after = loss(moved)
     better = after <= value + 1e-14 and np.abs(slope_after).max() < np.abs(slope).max()

@@ -8,7 +8,7 @@ import csv
 import math
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     ConfigDict,
@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from vsb.engine.shell.material import Hookean, Material, with_moduli
-from vsb.engine.shell.meridian import ClosedMeridian, capsule, spheroid, through
+from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid, through
 from vsb.engine.shell.named_materials import NAMED
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
@@ -37,6 +37,8 @@ from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 
 Basis = Literal["paper", "membrane", "full"]
 
+SHAPES, MOST_OF_SERIES = ("spheroid", "capsule", "series", "profile"), 12
+"""Kinds of shapes other than the sphere, and the most terms of each series of one."""
 SLENDEREST = 10.0
 """Of the diameter: height, or either of them, beyond which shapes and waves are no longer resolved."""
 
@@ -53,20 +55,32 @@ class Capsule(Section):
     length: Annotated[NonNegative, within(0.0, 1e4, "m", "this exceeds any buoy")]
 
 
-class Shape(Section):
-    """One of a spheroid, a capsule and a profile: points (x, z) from top to keel in any unit, scaled to the radius."""
+class Series(Section):
+    """A smooth meridian x = sum a_k sin k phi, z = sum b_k cos k phi by its terms from k = 1, scaled to the radius."""
 
+    radial: Annotated[tuple[Finite, ...], Field(min_length=1, max_length=MOST_OF_SERIES)]
+    axial: Annotated[tuple[Finite, ...], Field(min_length=1, max_length=MOST_OF_SERIES)]
+
+
+class Shape(Brief):
+    """One of a spheroid, a capsule, a series, and a profile: points (x, z) from top to keel in any unit.
+
+    Series and profile are scaled to the radius.
+    """
+
+    BRIEF: ClassVar[tuple[str, ...]] = ("series",)
     spheroid: Spheroid | None = None
     capsule: Capsule | None = None
+    series: Series | None = None
     profile: tuple[tuple[Finite, Finite], ...] | None = Field(
         default=None, json_schema_extra={"anyOf": [{"type": "array"}, {"type": "string"}, {"type": "null"}]}
     )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        given = [name for name in ("spheroid", "capsule", "profile") if getattr(self, name) is not None]
+        given = [name for name in SHAPES if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(f"received {' and '.join(given) or 'none'}: needs one of spheroid, capsule and profile")
+            raise ValueError(f"received {' and '.join(given) or 'none'}: needs one of {', '.join(SHAPES)}")
         return self
 
     def meridian(self, radius: float) -> ClosedMeridian:
@@ -80,11 +94,15 @@ class Shape(Section):
         elif self.capsule:
             key, found = "capsule", capsule(radius, self.capsule.length)
         else:
-            key = "profile"
+            key = "series" if self.series else "profile"
             try:
-                found = through(self.profile or (), radius)
+                found = (
+                    series(self.series.radial, self.series.axial, radius)
+                    if self.series
+                    else through(self.profile or (), radius)
+                )
             except ValueError as error:
-                raise ValueError(f"shape.profile: {error}") from None
+                raise ValueError(f"shape.{key}: {error}") from None
         ratio = (found.highest - found.lowest) / (2 * radius)
         if not 1 / SLENDEREST <= ratio <= SLENDEREST:
             raise ValueError(

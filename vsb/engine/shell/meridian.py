@@ -102,12 +102,17 @@ class ClosedMeridian:
     @cached_property
     def radius(self) -> float:
         """Largest radius [m]."""
+        return self.at(self.widest)[0]
+
+    @cached_property
+    def widest(self) -> float:
+        """Angle of the largest radius [rad]."""
         phi, step = max(self._samples, key=lambda at: at[1])[0], math.pi / len(self._samples)
         low, high = phi - step, phi + step
         while high - low > 1e-9:  # a flat maximum: of the radius twice as many digits are right
             a, b = low + (high - low) / 3, high - (high - low) / 3
             low, high = (a, high) if self.at(a)[0] < self.at(b)[0] else (low, b)
-        return self.at(0.5 * (low + high))[0]
+        return 0.5 * (low + high)
 
     @property
     def top(self) -> float:
@@ -392,6 +397,26 @@ def capsule(radius: float, length: float) -> ClosedMeridian:
     return ArcMeridian((cap, length, cap), (1 / radius, 0.0, 1 / radius))
 
 
+@lru_cache(maxsize=32)
+def series(radial: tuple[float, ...], axial: tuple[float, ...], radius: float) -> RestMeridian:
+    """Return the meridian x = sum a_k sin k phi, z = sum b_k cos k phi, scaled to a largest radius [m].
+
+    Numbers may be complex, for derivatives by a complex step.
+
+    Parameters
+    ----------
+    radial, axial : tuple of float
+        a_1, a_2, ... and b_1, b_2, ..., in any unit. Height zero becomes the middle between top and keel.
+    """
+    own, widest = RestMeridian(radial, (0.0, *axial)), None
+    if not own.stepped and own.top <= own.keel:
+        raise ValueError(f"received a top at height {own.top:.4g} and a keel at {own.keel:.4g}; needs the top above it")
+    if own.stepped:
+        real = [tuple(complex(term).real for term in terms) for terms in (radial, (0.0, *axial))]
+        widest = RestMeridian(*real).widest
+    return _of_radius_one(own, widest).scaled(radius, radius)
+
+
 def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
     """Terms k = 1, 2, ... in cos k phi of one function and sin k phi of another, by their values at the midpoints."""
     import numpy as np
@@ -462,9 +487,9 @@ def _of_series(x: Sequence[float], z: Sequence[float], largest: float) -> RestMe
     return RestMeridian(tuple(sines), (sum(z) / len(z), *cosines))
 
 
-def _of_radius_one(meridian: RestMeridian) -> RestMeridian:
-    """A meridian scaled to a largest radius of one, the middle of its height at zero."""
-    scale = 1 / meridian.radius
+def _of_radius_one(meridian: RestMeridian, widest: float | None = None) -> RestMeridian:
+    """A meridian scaled to a largest radius of one, the middle of its height at zero; widest at an angle, if known."""
+    scale = 1 / (meridian.radius if widest is None else meridian.at(widest)[0])
     return meridian.scaled(scale, scale, -scale * (meridian.top + meridian.keel) / 2)
 
 
