@@ -16,7 +16,7 @@ from vsb.engine.motion.port import port_direction
 from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
+from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium, settled
 from vsb.engine.shell.lobes import with_lobes
 from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
@@ -148,9 +148,14 @@ def computed_buckling(study: AtRest) -> Buckling:
 
 
 @lru_cache(maxsize=4)
-def _at_rest(loaded: LoadedShell) -> FloatArray:
-    """The equilibrium of a shell, computed once; not to be written to."""
-    q = equilibrium(loaded)
+def _at_rest(loaded: LoadedShell, complete: LoadedShell | None = None) -> FloatArray:
+    """The equilibrium of a shell, computed once, near that in a complete basis if given; not to be written to."""
+    if complete is None:
+        q = equilibrium(loaded)
+    else:
+        own, others = loaded.basis.shares, complete.basis.shares[..., : loaded.basis.highest_degree + 1]
+        displaced = (_at_rest(complete) @ others).ravel()
+        q = settled(loaded, np.linalg.lstsq(np.hstack([*own]).T, displaced)[0])
     q.setflags(write=False)
     return q
 
@@ -195,11 +200,11 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     loaded = loaded_shell(study, basis)
     if study.at_equilibrium:
         try:
-            complete_at_rest(study)
+            complete, _ = complete_at_rest(study)
         except ConvergenceError as error:
             raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
         undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves
-        q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
+        q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)), complete)
     else:
         q = np.zeros(len(basis.labels))
     return ReferenceShell(DeformedShell(basis, study.centre_height, q), stiffness_about(study, loaded, q))

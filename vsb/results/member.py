@@ -283,7 +283,10 @@ class DampedYears:
                 slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
             of_power[:, j] = [sum(one.to(each) for each in errors) for one in slopes]
             if reference is not None:
-                of_ratio[:, j] = [sum((one - slopes[reference]).to(each) for each in errors) for one in slopes]
+                base = slopes[reference]
+                of_ratio[:, j] = [
+                    0.0 if one is base else sum((one - base).to(each) for each in errors) for one in slopes
+                ]
         within = powers_within(power, error, of_power, left_out.power if left_out else None)
         if reference is None:
             return within

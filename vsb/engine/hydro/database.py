@@ -230,7 +230,7 @@ def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -
 
 def with_excitation(ds: xr.Dataset) -> xr.Dataset:
     """Return the dataset with excitation_force = Froude-Krylov + diffraction."""
-    return ds.assign(excitation_force=ds.Froude_Krylov_force + ds.diffraction_force)
+    return ds.assign(excitation_force=ds.Froude_Krylov_force.variable + ds.diffraction_force.variable)
 
 
 def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:

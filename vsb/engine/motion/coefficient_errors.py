@@ -37,7 +37,7 @@ class CoefficientError(NamedTuple):
     stiffness: FloatArray | None = None  # of the still water, which panels give as well (dof, dof) [N/m]
 
 
-AT_ONCE = 2**18
+AT_ONCE = 2**15
 """Entries of matrices over frequency held at a time."""
 
 
@@ -63,25 +63,30 @@ class Sensitivity:
 
         D = -w^2 A - i w B + K, all symmetric, so are their derivatives.
         """
-        dof = self.excitation.shape[1]
-        found = np.zeros((len(self.omega[part]), dof, dof), dtype=complex)
-        for towards, response in self.products:
-            found -= towards[part, :, None] * response[part, None, :]
-        found = 0.5 * (found + found.transpose(0, 2, 1))
+        if not self.products:  # of a port that does not move
+            count, dof = self.excitation[part].shape
+            return (np.zeros((count, dof, dof)),) * 3
+        of_both = [(one, other) for t, q in self.products for one, other in ((t[part], q[part]), (q[part], t[part]))]
+        left, right = (np.stack(side, axis=-1) for side in zip(*of_both, strict=True))
+        real, imaginary = (
+            np.concatenate([-left.real, sign * left.imag], axis=-1) @ np.concatenate(ways, axis=-1).swapaxes(1, 2) / 2
+            for sign, ways in ((1.0, (right.real, right.imag)), (-1.0, (right.imag, right.real)))
+        )
         w = self.omega[part, None, None]
-        return -(w**2) * found.real, np.asarray(w * found.imag), found.real
+        return -(w**2) * real, w * imaginary, real
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""
         mass, damping, force = error.error
         sizes, dof = np.zeros(4), self.excitation.shape[1]
-        step = max(1, AT_ONCE // max(1, dof**2))
+        step, size = max(1, AT_ONCE // max(1, dof**2)), np.asarray if error.signed else np.abs
         for start in range(0, len(self.omega), step):
             part = slice(start, start + step)
             by_mass, by_damping, by_stiffness = self.by_matrices(part)
-            products = [by_mass * mass[part], by_damping * damping[part], self.excitation[part] * force[part]]
-            products += [] if error.stiffness is None else [by_stiffness * error.stiffness]
-            sums = [one.real.sum() if error.signed else np.abs(one).sum() for one in products]
+            by_force = self.excitation[part] * force[part]
+            sums = [np.vdot(size(by_mass), size(mass[part])), np.vdot(size(by_damping), size(damping[part]))]
+            sums += [size(by_force).real.sum()]
+            sums += [] if error.stiffness is None else [np.vdot(size(by_stiffness).sum(axis=0), size(error.stiffness))]
             sizes[: len(sums)] += sums
         return float(np.abs(sizes).sum())
 

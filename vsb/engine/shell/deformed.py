@@ -13,7 +13,7 @@ from vsb.engine.shell.meridian import ArcMeridian, RestMeridian
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.shell import Curve, Shell, arc_chord, gauss_rule, length, meridian_rule, parts
 from vsb.errors import ConfigError
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 
 class Meridian(NamedTuple):
@@ -125,9 +125,9 @@ class DeformedShell:
         points would be all round-off.
         """
         radial, axial = self._terms
-        k, half = np.arange(len(radial)), offset / 2
-        middle, turned = np.outer(k, start + half), np.sin(np.outer(k, half))
-        across, up = 2 * radial @ (np.cos(middle) * turned), -2 * axial @ (np.sin(middle) * turned)
+        half = offset / 2
+        middle, turned = (_powers(np.exp(1j * angle), len(radial)) for angle in (start + half, half))
+        across, up = 2 * radial @ (middle.real * turned.imag), -2 * axial @ (middle.imag * turned.imag)
         rest = self.basis.shell.meridian
         if isinstance(rest, ArcMeridian):
             further, down = _chord_of_arcs(rest, start, offset)
@@ -372,6 +372,14 @@ def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
 def rigid_buoy(shell: Shell, centre_height: float) -> DeformedShell:
     """Return an undeformed shell in the water, that moves as a whole."""
     return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))
+
+
+def _powers(base: ComplexArray, count: int) -> ComplexArray:
+    """Powers 0, 1, ... of complex numbers, shape (power, point): sines and cosines of multiples of angles."""
+    found = np.ones((count, len(base)), dtype=complex)
+    for k in range(1, count):
+        np.multiply(found[k - 1], base, out=found[k])
+    return found
 
 
 @dataclass(frozen=True)

@@ -247,6 +247,15 @@ def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> Float
     return path.amplitudes
 
 
+def settled(loaded: LoadedShell, near: FloatArray) -> FloatArray:
+    """Return the static equilibrium near amplitudes (dof,) [m], else that of `equilibrium`, shape (dof,) [m].
+
+    Of a shell whose growing load was followed with other modes. Raises `ConvergenceError` as `equilibrium` does.
+    """
+    found = _newton(loaded, np.eye(len(near)), near)
+    return equilibrium(loaded) if found is None else found
+
+
 def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | None:
     """Newton's method in the motions n; none if it leaves the stable region or does not converge."""
     for _ in range(12):

@@ -12,7 +12,7 @@ in m from elliptic integrals is stable, far from it their series in q converges.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from scipy.special import ellipe, ellipkm1, hyp2f1, poch, roots_legendre
 
 from vsb.engine.hydro.dofs import bessel
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _FAR = 0.75
 """Ratio q below which the series is summed; the recurrence loses a factor q^(-2m) there."""
@@ -132,6 +132,12 @@ def log_rule(points: int = 24, degree: int = 10) -> tuple[FloatArray, FloatArray
     return v**2, weight + np.linalg.lstsq(rows, exact - rows @ weight, rcond=1e-13)[0]
 
 
+_ROWS = 16
+"""Nodes whose singular integrals are taken at once."""
+_KEPT = 64
+"""Nodes up to which their rules are kept for further shapes: 10 MB at most."""
+
+
 class Points(NamedTuple):
     """Points of the wet meridian, each shape (point,)."""
 
@@ -196,6 +202,43 @@ class Piece(NamedTuple):
         """Gauss-Legendre nodes and weights in t, each shape (node,)."""
         t, weight = unit_rule(self.nodes)
         return self.start + (self.end - self.start) * t, (self.end - self.start) * weight
+
+
+def _interpolation(pieces: Sequence[Piece], t: FloatArray) -> FloatArray:
+    """Values at t of the polynomials that are one at one node, shape (point, node); barycentric.
+
+    Each is zero beyond its own piece.
+    """
+    found, at, last = np.zeros((len(t), sum(piece.nodes for piece in pieces))), 0, pieces[-1]
+    for piece in pieces:
+        node, weight = unit_rule(piece.nodes)
+        here = (t >= piece.start) & ((t < piece.end) | (piece is last))
+        scale = (-1.0) ** np.arange(piece.nodes) * np.sqrt(node * (1 - node) * weight)
+        apart = (t[here, None] - piece.start) / (piece.end - piece.start) - node
+        terms = scale / np.where(apart == 0.0, 1e-300, apart)
+        found[here, at : at + piece.nodes] = terms / terms.sum(axis=1, keepdims=True)
+        at += piece.nodes
+    return found
+
+
+class _SingularRule(NamedTuple):
+    """Points of the singular integrals about some nodes, one node after the other; of all shapes with such pieces."""
+
+    of_node: IntArray  # (point,)
+    offset: FloatArray  # in t (point,)
+    weight: FloatArray
+    onto: FloatArray  # from values at the nodes (point, node)
+
+
+@lru_cache(maxsize=32)
+def _singular_rule(pieces: tuple[Piece, ...], nodes: int, first: int, count: int) -> _SingularRule:
+    """The rule about nodes from a first one on."""
+    start = np.concatenate([piece.rule[0] for piece in pieces])[first : first + count]
+    breaks = [piece.start for piece in pieces[1:]]
+    rules = [_rule_about(float(each), _LONGEST_IN_NODES / nodes, breaks) for each in start]
+    of_node = np.repeat(np.arange(count), [len(offset) for offset, _ in rules])
+    offset, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+    return _SingularRule(of_node, offset, weight, _interpolation(pieces, start[of_node] + offset))
 
 
 @dataclass(frozen=True)
@@ -293,36 +336,27 @@ class WetMeridian:
         return np.concatenate([self.points.x, radius]), np.concatenate([self.points.z, height])
 
     def interpolation(self, t: FloatArray) -> FloatArray:
-        """Return the values at t of the polynomials that are one at one node, shape (point, node); barycentric.
+        """Return the values at t of the polynomials that are one at one node, shape (point, node)."""
+        return _interpolation(self.pieces, t)
 
-        Each is zero beyond its own piece.
-        """
-        found, at, last = np.zeros((len(t), self.count)), 0, self.pieces[-1]
-        for piece in self.pieces:
-            node, weight = unit_rule(piece.nodes)
-            here = (t >= piece.start) & ((t < piece.end) | (piece is last))
-            scale = (-1.0) ** np.arange(piece.nodes) * np.sqrt(node * (1 - node) * weight)
-            apart = (t[here, None] - piece.start) / (piece.end - piece.start) - node
-            terms = scale / np.where(apart == 0.0, 1e-300, apart)
-            found[here, at : at + piece.nodes] = terms / terms.sum(axis=1, keepdims=True)
-            at += piece.nodes
-        return found
-
-    def _singular_row(self, i: int) -> FloatArray:
-        """Integrals over the shell of 1/r, 1/r' at node i, shape (2 sources, 2 potential and derivative, node)."""
-        start = self.rule[0][i]
-        breaks = [piece.start for piece in self.pieces[1:]]
-        offset, weight = _rule_about(float(start), _LONGEST_IN_NODES / self.nodes, breaks)
-        points = self.at(start + offset)
-        dx, dz = self.chord(np.full_like(offset, start), offset)
-        both = (-dz, -1.0), (self.points.z[i] + points.z, 1.0)
+    def _singular_rows(self, nodes: IntArray) -> FloatArray:
+        """Integrals over the shell of 1/r, 1/r' at some nodes, (2 sources, potential and derivative, target, node)."""
+        rule = _singular_rule if self.count <= _KEPT else _singular_rule.__wrapped__
+        of_node, offset, weight, onto = rule(tuple(self.pieces), self.nodes, int(nodes[0]), len(nodes))
+        starts, ends = self.rule[0][nodes], np.searchsorted(of_node, np.arange(len(nodes) + 1))
+        points = self.at(starts[of_node] + offset)
+        dx, dz = self.chord(starts[of_node], offset)
+        both = (-dz, -1.0), (self.points.z[nodes][of_node] + points.z, 1.0)
         values = np.stack([points.influence(self.order, -dx, height, sign) for height, sign in both])
-        return np.asarray((values * weight * points.rate) @ self.interpolation(start + offset))
+        values = values * weight * points.rate
+        rows = [values[..., a:b] @ onto[a:b] for a, b in itertools.pairwise(ends)]
+        return np.stack(rows, axis=2)
 
     @cached_property
     def rankine(self) -> FloatArray:
         """Influence of 1/r and 1/r', shape (2 sources, 2 potential and derivative, target, node) [m, -]."""
-        on = np.stack([self._singular_row(i) for i in range(self.count)], axis=2)
+        groups = [np.arange(i, min(i + _ROWS, self.count)) for i in range(0, self.count, _ROWS)]
+        on = np.concatenate([self._singular_rows(group) for group in groups], axis=2)
         p, (x, z) = self.points, (a[self.count :, None] for a in self.targets)
         inside = np.stack([p.influence(self.order, x - p.x, z + sign * p.z, sign) for sign in (-1.0, 1.0)])
         return np.concatenate([on, inside * self.areas], axis=2)

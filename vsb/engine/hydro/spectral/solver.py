@@ -14,7 +14,7 @@ Over a band, points and frequencies are as few as the tolerances allow (`converg
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,10 @@ _COARSER = 0.75
 """Relative number of points of the coarser run that the error is estimated from."""
 
 
+_Column = tuple[FloatArray | ComplexArray, ...]
+"""Added mass, damping, Froude-Krylov and diffraction force at one frequency."""
+
+
 @dataclass(frozen=True)
 class SpectralProblem:
     """Radiation and diffraction of prescribed displacements of the immersed shell, all of one azimuthal order m.
@@ -51,6 +55,8 @@ class SpectralProblem:
     gravity: float
     nodes: int
     depth: float = np.inf
+    _columns: dict[float, _Column] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _surface: list[WavePart] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         azimuthal_order(self.displacements)
@@ -118,23 +124,29 @@ class SpectralProblem:
     def _waves(self, omegas: list[float]) -> Iterator[ComplexArray]:
         """Influence of Green's function less 1/r + 1/r' at each frequency, per unit area, each (2, target, node)."""
         deep = np.square(omegas) / self.gravity
-        surface = WavePart(self.meridian, float(deep.max())).influences(deep)
+        surface = self._surface_to(float(deep.max())).influences(deep)
         if np.isinf(self.depth):
             return surface
         return map(np.add, surface, FiniteDepthWavePart(self.meridian, self.depth, float(deep.min())).influences(deep))
 
+    def _surface_to(self, largest: float) -> WavePart:
+        """The waves' part of Green's function up to a wavenumber [1/m]; what was made up to a larger one is kept."""
+        if not (self._surface and self._surface[0].largest >= largest):
+            self._surface[:] = [WavePart(self.meridian, largest)]
+        return self._surface[0]
+
     def solve(self, omegas: list[float]) -> xr.Dataset:
-        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of rings of panels.
+        """Solve at positive, finite frequencies (else: `ConfigError`), each once; dataset as of rings of panels.
 
         Pressure i omega rho phi, so A + iB/omega = -rho int phi_j w_i dS; incident potential -i g/omega `incident`.
         """
-        columns: list[tuple[FloatArray | ComplexArray, ...]] = []
-        for omega, incident, potentials in self._solved(omegas):
+        new = [omega for omega in dict.fromkeys(omegas) if omega not in self._columns]
+        for omega, incident, potentials in self._solved(new) if new or not omegas else ():
             forces = self.onto @ potentials
             froude_krylov = self.gravity * (self.onto @ incident[: self.meridian.count])
             radiated, total = forces[:, :-1], self.gravity * forces[:, -1]
-            columns.append((radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov))
-        return solved_dataset(omegas, self.displacements, columns)
+            self._columns[omega] = radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov
+        return solved_dataset(omegas, self.displacements, [self._columns[omega] for omega in omegas])
 
     def potentials(self, omegas: list[float]) -> ComplexArray:
         """Return the potentials at the nodes at positive, finite frequencies, shape (omega, node, displacement + 1).
@@ -154,6 +166,11 @@ class SpectralProblem:
             right = np.column_stack([-single @ self.velocities.T, 4 * np.pi * incident])
             yield omega, incident, m.solve(double, right)
 
+    @cached_property
+    def _coarser(self) -> "SpectralProblem":
+        """The problem with fewer points."""
+        return replace(self, nodes=int(_COARSER * self.nodes))
+
     def error_estimate(self, omegas: list[float]) -> xr.Dataset:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.
 
@@ -164,7 +181,7 @@ class SpectralProblem:
         the same of each displacement by itself, relative to its largest over these frequencies: the points that the
         shortest shapes need resolve the longer ones far better.
         """
-        runs = [with_excitation(p.solve(omegas)) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
+        runs = [with_excitation(p.solve(omegas)) for p in (self._coarser, self)]
         forces = [ds.excitation_force.values[:, 0] for ds in runs]
         haskind = haskind_damping(runs[1], self.depth, self.density, self.gravity, self.order)
         share = self._normalisation
