@@ -62,6 +62,25 @@ def test_what_two_buoys_share_is_in_their_powers_and_not_in_their_gain():
     assert uncertainty([replace(one, truncation=None)]).unknown[0] == MODES
 
 
+@pytest.mark.parametrize(("maximise", "of"), [("power_per_mass", "mass"), ("power_per_cost", "cost")])
+def test_a_quotient_has_the_errors_of_the_power_and_those_of_its_divisor_by_inputs(climate, maximise, of):
+    """Thickness changes the power alone; of the mass a per cent more is a per cent less of the quotient."""
+    study, inputs = study_of(reference_shape="undeformed"), ["device.mass", "device.thickness", "device.radius"]
+    cost = {"mass": 4.0, "surface": 100.0}
+    model = replace(DesignModel.of(study, "VSWEC", climate, [], 2), cost=cost)
+    quantities = {name: one.value for name, one in model.at([]).quantities.items()}
+    buoy = Buoy("VSWEC", study, "VSWEC", 2, quantities, (-0.01, 0.02))
+    power, found = (power_parts(buoy, climate, inputs, **more) for more in ({}, {"maximise": maximise, "cost": cost}))
+    assert found.power == pytest.approx(power.power / quantities[of], rel=1e-12)
+    assert found.finer / found.power == pytest.approx(power.finer / power.power, rel=1e-9)
+    rate = {"mass": 1.0, "cost": 4.0 * quantities["mass"] / quantities["cost"]}[of]
+    assert found.slopes["device.mass"] == pytest.approx(power.slopes["device.mass"] - rate, rel=1e-7)
+    both = [uncertainty([one], {"device.mass": 0.01}).budget.interval(one.power) for one in (power, found)]
+    assert (both[1][1] - found.power) / found.power > (both[0][1] - power.power) / power.power > 0.02
+    if of == "mass":
+        assert found.slopes["device.radius"] == pytest.approx(power.slopes["device.radius"], rel=1e-9)
+
+
 def test_other_years_are_said_beside_an_interval_and_not_in_it():
     """The power is the mean over the year of the file, as a campaign's, whose interval is of its errors alone."""
     years = np.linspace(8000.0, 10200.0, 2001)

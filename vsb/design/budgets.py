@@ -18,14 +18,14 @@ from vsb.design.compared import Buoy, gain
 from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import RESOLVED, DesignModel
 from vsb.design.margins import depends
-from vsb.design.problem import POWER
+from vsb.design.problem import POWER, objective
 from vsb.design.several import SeveralYear
 from vsb.design.year import PortYear, band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.dispersion import power_limit
 from vsb.results.budget import MODES, Budget, Source
-from vsb.study.design import OF_RIGID
+from vsb.study.design import DIVISORS, OF_RIGID, Objective
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -62,8 +62,19 @@ class PowerParts:
     slopes: Mapping[str, float]  # d ln P/d ln of uncertain inputs [-]
 
 
-def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, ordered: bool = False) -> PowerParts:
-    """Return the parts of the errors of a buoy's annual mean power.
+def power_parts(
+    buoy: Buoy,
+    climate: Climate,
+    uncertain: Sequence[str] = (),
+    *,
+    ordered: bool = False,
+    maximise: Objective = POWER,
+    cost: Mapping[str, float] | None = None,
+) -> PowerParts:
+    """Return the parts of the errors of a buoy's annual mean power, or of that over what it is divided by.
+
+    The divisor is known as well as the design is; it changes with uncertain inputs, finer nodes and shapes. A force
+    grows and falls with the power: what shell modes leave out of their quotient is less than what they do of the power.
 
     Parameters
     ----------
@@ -71,40 +82,45 @@ def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, 
         Keys of its device.
     ordered : bool
         Whether the seas of the climate stand in the order of the year.
+    maximise : str
+        `annual_mean_power`, or a quotient such as `power_per_mass`.
+    cost : mapping
+        Prices by the quantity they are of.
     """
     built, keys = buoy.with_damper(), [key for key in uncertain if depends(buoy.study, key)]
-    model = built.model(climate, keys)
+    model = replace(built.model(climate, keys), cost=cost or {})
+    over = buoy.quantities[DIVISORS[maximise]] if maximise in DIVISORS else 1.0
     finer = replace(model, variables=model.variables[len(keys) :]).finer
     slopes = dict.fromkeys(uncertain, 0.0)
     if keys:
-        found = model.at(model.point)[POWER]
+        found = objective(model.at(model.point), maximise)
         slopes |= dict(zip(keys, map(float, found.gradient * model.point / found.value), strict=False))
     return PowerParts(
-        power=buoy.power,
+        power=buoy.power / over,
         truncation=buoy.truncation,
-        finer=_power(finer),
-        reshaped=_reshaped(built, climate),
-        unsolved=_unsolved(buoy.study, climate),
+        finer=_value(finer, maximise),
+        reshaped=_reshaped(built, climate, maximise, cost or {}),
+        unsolved=_unsolved(buoy.study, climate) / over,
         years=drawn_years(power_of_seas(built, model, climate), climate.hours) if ordered else None,
         slopes=slopes,
     )
 
 
-def _power(model: DesignModel) -> float:
-    """Annual mean power of the study of a model [W]."""
-    return model.at(model.point)[POWER].value
+def _value(model: DesignModel, maximise: Objective) -> float:
+    """What is maximised of the study of a model."""
+    return objective(model.at(model.point), maximise).value
 
 
-def _reshaped(built: Buoy, climate: Climate) -> float:
-    """Power of a buoy with the other curve through the points of its profile [W]; its power without a profile."""
+def _reshaped(built: Buoy, climate: Climate, maximise: Objective, cost: Mapping[str, float]) -> float:
+    """The same with the other curve through the points of a profile; as it is without a profile."""
     device = built.study.device
     if device.shape is None or device.shape.profile is None:
-        return built.power
+        return built.power / (built.quantities[DIVISORS[maximise]] if maximise in DIVISORS else 1.0)
     other = also_through(device.shape.profile, device.radius)
     curve = [other.at(float(phi)) for phi in np.linspace(0.0, np.pi, POINTS)]
     shape = device.shape.model_copy(update={"profile": tuple((float(x), float(z)) for x, z, *_ in curve)})
     study = built.study.model_copy(update={"device": device.model_copy(update={"shape": shape})})
-    return _power(replace(built, study=study).model(climate))
+    return _value(replace(replace(built, study=study).model(climate), cost=cost), maximise)
 
 
 def _unsolved(study: Study, climate: Climate) -> float:

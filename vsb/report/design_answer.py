@@ -9,7 +9,7 @@ from vsb.engine.motion.take_off import Control
 from vsb.report.answer import Answer
 from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.feasible import OF_EVERY_BUOY
-from vsb.tools.words import gains_within, plain, prefixed, superscripts, watts_within
+from vsb.tools.words import decimals_of, gains_within, plain, prefixed, superscripts, watts_within
 
 Facts = Mapping[str, Any]
 """What is known of a design problem, as `vsb.stages.design_results` keeps it."""
@@ -55,7 +55,14 @@ def answer(facts: Facts) -> Answer:
     stands = [*fronts(facts), best_of_all]
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
-    below = [verdict(facts), *under_control(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
+    below = [
+        verdict(facts),
+        *maximised(facts),
+        *under_control(facts),
+        *in_time(facts),
+        *size_or_flexibility(facts),
+        *limited(facts),
+    ]
     return Answer(stands, below)
 
 
@@ -131,6 +138,31 @@ def powers(facts: Facts) -> dict[str, str]:
 def ends(number: Mapping[str, Any]) -> tuple[float, float, float]:
     """Return a number with the ends of its interval."""
     return number["value"], number["low"], number["high"]
+
+
+def objective_text(facts: Facts, name: str) -> str:
+    """Return what was maximised of a buoy with its interval; "" of power itself, and of the gain."""
+    if not (found := facts.get("objectives")):
+        return ""
+    numbers = [tuple(found[one]) for one in (FLEXIBLE, COMPETITOR)]
+    whole = math.floor(math.log10(max(abs(value) for value, _, _ in numbers)))
+    digits = decimals_of(numbers, max(0, 3 - whole), max(0, 5 - whole))
+    value, low, high = (f"{number:.{digits}f}" for number in found[name])
+    unit = superscripts(found["unit"]) + (" per unit of cost" if facts["maximise"] == "power_per_cost" else "")
+    return f"{OBJECTIVES[facts['maximise']]} {value} ({low} to {high}) {unit}"
+
+
+def maximised(facts: Facts) -> list[str]:
+    """Return what was maximised of both buoys, and the gain in it; nothing of power itself."""
+    if not (found := facts.get("objectives")):
+        return []
+    words = OBJECTIVES[facts["maximise"]]
+    each = [f"of the {name}{objective_text(facts, name).removeprefix(words)}" for name in (FLEXIBLE, COMPETITOR)]
+    value, low, high = found["gain"]
+    return [
+        f"Maximised is the {words}, {' and '.join(each)}: {gains_within([(value, low, high)])[0]}. These intervals "
+        "hold the errors of the power, that of linear theory left aside, and what uncertain inputs change of both."
+    ]
 
 
 def verdict(facts: Facts) -> str:

@@ -33,11 +33,11 @@ from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.keys.quantities import Section, canonical, content_id
 from vsb.models.viability import viability
-from vsb.report.design_answer import answer, no_answer
+from vsb.report.design_answer import answer, no_answer, objective_text
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes, points_of
-from vsb.study.design import LIMITS, limit_of, unit_of
+from vsb.study.design import DIVISORS, LIMITS, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.feasible import OF_EVERY_BUOY
 from vsb.study.specs import DesignSpec, Search
@@ -85,7 +85,8 @@ def run_design_results(
     for table, (head, rows) in tables.items():
         write_text(f"{folder}/{table}", csv_text(head, rows))
     for name, best_of in (("optimum", FLEXIBLE), ("competitor", COMPETITOR)):
-        write_text(f"{folder}/{name}.yaml", study_text(spec, buoys[best_of], name, facts["powers"][best_of]))
+        text = study_text(spec, buoys[best_of], name, facts["powers"][best_of], objective_text(facts, best_of))
+        write_text(f"{folder}/{name}.yaml", text)
     said = {"answer": " ".join(answer(facts).stands), "valid": int(not no_answer(facts))}
     said["facts"] = json.dumps(facts, allow_nan=False)
     stamps = {"spec": canonical(spec), "spec_id": identity}
@@ -143,6 +144,23 @@ class Known:
             self._parts[key] = power_parts(buoy, self.climate, [*self.spec.uncertain], ordered=ordered)
         return replace(self._parts[key], truncation=buoy.truncation)
 
+    def objectives(self, buoys: Mapping[str, Buoy]) -> dict[str, Any] | None:
+        """Return what is maximised of both best buoys with intervals, and the gain in it [%]; None of power itself."""
+        maximise = self.spec.flexible.maximise
+        if maximise not in DIVISORS:
+            return None
+        parts = {
+            name: power_parts(
+                buoys[name], self.climate, [*self.spec.uncertain], maximise=maximise, cost=self.spec.flexible.cost
+            )
+            for name in (FLEXIBLE, COMPETITOR)
+        }
+        found = {name: _ends(one.power, uncertainty([one], self.spec.uncertain)) for name, one in parts.items()}
+        pair = list(parts.values())
+        over = _ends(gain(*(one.power for one in pair)), uncertainty(pair, self.spec.uncertain))
+        divisor = unit_of(DIVISORS[maximise])
+        return {"unit": "W" if divisor == "1" else f"W/{divisor}", "gain": over, **found}
+
     @staticmethod
     def _key(buoy: Buoy) -> tuple[object, ...]:
         """What starts that ended at the same buoy, to nine digits, share."""
@@ -174,6 +192,11 @@ class Known:
         low, high = known.budget.interval(value)
         unknown = [*known.unknown, *([] if followed else [LINEAR_THEORY])]
         return {"value": value, "low": low, "high": high, "budget": known.budget.rows, "unknown": unknown}
+
+
+def _ends(value: float, known: Uncertainty) -> list[float]:
+    """A number with the ends of its interval."""
+    return [value, *known.budget.interval(value)]
 
 
 def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate: Climate) -> dict[str, float]:
@@ -230,6 +253,7 @@ def _facts(
         "take_offs": {name: _take_off(one) for name, one in buoys.items()},
         "over": {name: known.gain(buoys[FLEXIBLE], one) for name, one in buoys.items() if name in (TWIN, SPHERE)},
         "gain": {key: of_gain[key] for key in ("value", "low", "high")},
+        "objectives": known.objectives(buoys),
         "budget": of_gain["budget"],
         "unknown": [name for name in of_gain["unknown"] if name != LINEAR_THEORY],
         "sensitivity": [dict(zip(SENSITIVITY, row, strict=True)) for row in sensitivity_table(spec, found)[1]],
@@ -456,13 +480,17 @@ def pareto_table(curves: Mapping[str, Mapping[str, Sequence[Mapping[str, Any]]]]
     return ["limit", "buoy", "value", "objective", "accepted", "kkt", *keys, *names, *ENDS], rows
 
 
-def study_text(spec: DesignSpec, one: Buoy, name: str, power: Mapping[str, Any]) -> str:
-    """Return a study of a buoy that runs: its values, its damper, the seas and runs of the study it is from."""
+def study_text(spec: DesignSpec, one: Buoy, name: str, power: Mapping[str, Any], maximised: str = "") -> str:
+    """Return a study of a buoy that runs: its values, its damper, the seas and runs of the study it is from.
+
+    Above it stand its power and, if that is not what was `maximised`, what was.
+    """
     study = written_study(spec, one, name)
     raw = json.loads(json.dumps(study.model_dump(exclude_none=True, exclude_defaults=True)))
     (words,), unit = watts_within([(power["value"], power["low"], power["high"])])
     kind = "flexible buoy" if one.name == FLEXIBLE else one.name
     about = f"# The best {kind} of design {spec.name}: {words} {unit}, mean over the year of {spec.climate_name}.\n"
+    about += f"# Maximised: {maximised}.\n" if maximised else ""
     if one.name == COMPETITOR:
         about += "# A rigid buoy is one of its size and mass: the wall given here has no mass and bounds nothing.\n"
     return about + yaml.safe_dump(raw, sort_keys=False, allow_unicode=True)
