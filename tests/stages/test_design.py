@@ -37,7 +37,7 @@ from vsb.report.design_page import (
 )
 from vsb.results.budget import MODES
 from vsb.stages.climate import read_climate
-from vsb.stages.design import outcomes
+from vsb.stages.design import outcomes, under_wider_limits
 from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
 from vsb.stages.make import best_so_far
@@ -345,6 +345,33 @@ def test_more_starts_keep_those_there_are(folder):
     few, many = (planned(folder, "several", MANY, starts=count) for count in (2, 5))
     assert list(many.starts)[:2] == list(few.starts)
     assert list(many.rigid_starts)[:2] == list(few.rigid_starts)
+
+
+def test_a_start_is_kept_where_wider_limits_did_not_hold_it(folder):
+    """Beam holds the buoy and draft does not: wider drafts, or none, need no search, another beam does."""
+    limits = {"beam": 4.15, "draft": 30.0, "static_strain": 0.9, "load_factor": 0.02}
+
+    def ended(**changes):
+        changed = {**limits, **changes}
+        plan = planned(folder, "kept", MANY, limits=changed)
+        for task in tasks(plan):
+            if task.stage == "design_start" and task.spec.search.flexible:
+                run_task(task)
+        return outcomes(f"{plan.folder}/starts", [*plan.starts])[0]
+
+    first = ended()
+    assert first.accepted
+    assert "beam" in first.multipliers
+    for wider in ({"draft": 40.0}, {"draft": None}, {"load_factor": 0.01}, {"static_strain": None, "draft": 50.0}):
+        kept = ended(**wider)
+        assert (kept.values == first.values).all()
+        assert (kept.evaluations, kept.kkt) == (first.evaluations, first.kkt)
+        assert set(kept.margins) == {name for name in first.margins if wider.get(name, 0.0) is not None}
+    assert kept.margins["draft"] == pytest.approx(first.margins["draft"] * 30 / 50, rel=1e-12)
+    assert ended(beam=4.2).quantities["beam"] > first.quantities["beam"] + 0.03
+    assert under_wider_limits(first, limits, {**limits, "draft": 29.0}) is None
+    assert under_wider_limits(first, limits, {**limits, "load_factor": 0.03}) is None
+    assert under_wider_limits(first, limits, {**limits, "mass": 1e9}) is None
 
 
 def test_a_front_asked_for_later_keeps_the_starts(folder):

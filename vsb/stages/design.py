@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
@@ -10,12 +10,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from vsb.design.certificate import VIOLATION
+from vsb.design.certificate import ACTIVE, VIOLATION
+from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.optimise import Finer, optimised, within_margins
-from vsb.design.problem import IMPOSSIBLE, Point
+from vsb.design.problem import IMPOSSIBLE, Point, excesses, limit_parts
 from vsb.design.searched import Outcome, best, failed, finer_of, from_start, problem_of, uncertain_margins
 from vsb.engine.waves.climate import Climate
-from vsb.errors import ConvergenceError
+from vsb.errors import ConvergenceError, DatabaseError
+from vsb.keys.quantities import canonical
 from vsb.stages.climate import read_climate
 from vsb.stages.stage import stamp
 from vsb.study.design import OF_SHELL
@@ -24,7 +26,12 @@ from vsb.tools.files import load, save
 
 
 def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:
-    """Optimise from one start and write where it ended."""
+    """Optimise from one start and write where it ended, or where it did before with limits that did not hold it."""
+    if kept := kept_start(spec, Path(out).parent):
+        name, end = kept
+        print(f"kept: where start {name} ended, under limits that are wider now and did not hold it", flush=True)
+        save(end.dataset.assign_attrs(stamp(spec)), out)
+        return
     seas, keys = read_climate(spec.search.climate, climate), [one.key for one in spec.search.variables]
     try:
         found = from_start(spec.search, seas, spec.seed, spec.start, BestSoFar(spec.search))
@@ -32,6 +39,54 @@ def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:
     except ConvergenceError as error:
         result = failed(str(error))
     save(result.assign_attrs(stamp(spec)), out)
+
+
+def kept_start(spec: DesignStartSpec, folder: Path) -> tuple[str, Outcome] | None:
+    """Return the name and the end of a start of the same problem but for tighter limits that did not hold it."""
+    wanted = json.loads(canonical(spec))
+    limits = wanted["search"].pop("limits")
+    for path in sorted(folder.glob("*.nc")):
+        try:
+            ds = load(path)
+            given = json.loads(ds.attrs["spec"])
+            before = given["search"].pop("limits")
+            found = Outcome.read(ds) if given == wanted else ""
+        except (DatabaseError, KeyError, ValueError):  # no start, or one that is being written
+            continue
+        if isinstance(found, Outcome) and (same := under_wider_limits(found, before, limits)):
+            return path.stem, same
+    return None
+
+
+def under_wider_limits(found: Outcome, before: Mapping[str, float], limits: Mapping[str, float]) -> Outcome | None:
+    """Return an optimum as one under wider limits, or without some; None if they may have another.
+
+    Where a limit has no multiplier, and the buoy is away from it, the first- and second-order conditions do not contain
+    it: they are the same if it is wider, or none.
+
+    Parameters
+    ----------
+    before, limits : mapping
+        Limits it was found under, and those now.
+    """
+    if not found.accepted or set(limits) - set(before):
+        return None
+    known = Evaluation({name: Quantity(value, np.zeros(0)) for name, value in found.quantities.items()})
+    margins = dict(found.margins)
+    for name, limit in before.items():
+        wider = limits[name] / limit if name in limits else math.inf
+        if wider == 1:
+            continue
+        shrunk = wider if name == "load_factor" and name in limits else 1 / wider  # of 1 + g
+        held = any(one.value >= -ACTIVE for one in excesses(known, {name: limit}))
+        parts = limit_parts({name: limit})
+        if shrunk > 1 or held or any(part in found.multipliers for part in parts):
+            return None
+        for part in (part for part in parts if part in margins):
+            margins[part] *= shrunk
+            if name not in limits:
+                del margins[part]
+    return replace(found, margins=margins)
 
 
 class BestSoFar:
