@@ -7,6 +7,7 @@ other kind.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -98,7 +99,11 @@ class AtFrequencies:
         return {design: port.beside(stiffness) for design, port in seen.items()}
 
     def in_waves(self) -> dict[str, InWaves]:
-        """Return every design in waves of unit amplitude."""
+        """Return every design in waves of unit amplitude, computed once."""
+        return dict(self._in_waves)
+
+    @cached_property
+    def _in_waves(self) -> dict[str, InWaves]:
         return {design: self._of_design(motions) for design, motions in self.motions.items()}
 
     def several_ports(self) -> dict[str, Ports]:

@@ -1,6 +1,6 @@
 """A buoy from the coefficients of its shape, which studies of other materials share."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -43,6 +43,12 @@ KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
 GRIDS = 3
 """Sets of frequencies whose coefficients are kept: of a climate, and two of the harmonics of an optimum."""
+Misfits = tuple[FloatArray, FloatArray, FloatArray]
+"""Of added mass, damping and excitation; see `vsb.engine.motion.coefficient_errors.haskind_misfits`."""
+OF_BUOY = {"device", "modes", "reference_shape", "designs", "water", "motion", "mooring"}
+"""Sections of a study that its buoy follows from, without what its take-off does."""
+OF_PORT = {"port", "held"}
+"""Keys of a take-off by which it sees the buoy."""
 STATED = ("error_estimate", "interpolation_error")
 """Errors that blocks estimate of themselves."""
 
@@ -58,11 +64,20 @@ class ShapeWater:
     resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
     interpolation: float = 0.0
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
+    _misfits: dict[tuple[bytes, Water], Misfits] = field(default_factory=dict, repr=False, compare=False)
+    _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last one
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
         own = self._combined(shares(self.displacements, basis))
         return Coefficients.side_by_side([own, *(self._of_family(each) for each in families)])
+
+    def buoy_of(self, key: str, made: Callable[[], AtFrequencies]) -> AtFrequencies:
+        """Return the buoy in this water that a key stands for, made if it is not the last one."""
+        if key not in self._buoys:
+            self._buoys.clear()
+            self._buoys[key] = made()
+        return self._buoys[key]
 
     def _of_family(self, family: OrderBasis) -> Coefficients:
         """Coefficients of one family of higher orders; of yaw, of order 0, which moves no water, none."""
@@ -76,16 +91,18 @@ class ShapeWater:
         """Return the estimated errors of `in_modes`, as of `vsb.engine.motion.coefficient_errors`."""
         found, own, transform = self.in_modes(basis, families), len(basis.labels), shares(self.displacements, basis)
         mass, damping, force = (self.interpolation * np.abs(values) for values in found)
-        misfits = haskind_misfits(
-            self.omega,
-            transform @ self.coefficients.damping @ transform.T,
-            found.damping[:, :own, :own],
-            found.excitation[:, :own],
-            water.depth,
-            water.density,
-            water.gravity,
-        )
-        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = misfits
+        if (key := (transform.tobytes(), water)) not in self._misfits:
+            self._misfits.clear()
+            self._misfits[key] = haskind_misfits(
+                self.omega,
+                transform @ self.coefficients.damping @ transform.T,
+                found.damping[:, :own, :own],
+                found.excitation[:, :own],
+                water.depth,
+                water.density,
+                water.gravity,
+            )
+        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = self._misfits[key]
         between = Coefficients(mass, damping, force.astype(complex))
         return [
             relative_error(RESOLVED, found, self.resolution),
@@ -159,8 +176,13 @@ class BuoyOfShape:
         return with_rings(self.study, self.reference)
 
     def at(self, omega: FloatArray) -> AtFrequencies:
-        """Return it at frequencies; outside the band with the coefficients of its nearest end."""
-        return buoy_at(self.study, self.reference, self.swept.at(omega))
+        """Return it at frequencies; outside the band with the coefficients of its nearest end.
+
+        The last one is kept for members of a campaign that differ by what their take-off does alone.
+        """
+        study, water = self.study, self.swept.at(omega)
+        parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
+        return water.buoy_of(" ".join(parts), lambda: buoy_at(study, self.reference, water))
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
         """Return the estimated errors of its coefficients at frequencies."""

@@ -6,6 +6,7 @@ The power P = sum a^2 Re Z_l |V|^2/2 of a sea changes by dP = sum a^2 Re Z_l Re(
 P does not change to first order with Z_l (envelope theorem): the same expression holds at fixed Z_l.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -58,37 +59,54 @@ class Sensitivity:
         of_other = tuple((-towards, response) for towards, response in other.products)
         return Sensitivity(self.omega, self.excitation - other.excitation, (*self.products, *of_other))
 
+    def _factors(self, part: slice) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+        """Real L and R, (omega, dof, column), of Re and Im of the derivative by D, L R^T, made symmetric."""
+        count, dof = self.excitation[part].shape
+        none = (np.zeros((count, dof), dtype=complex),) * 2  # of a port that does not move
+        of_both = [(one, other) for t, q in self.products for one, other in ((t[part], q[part]), (q[part], t[part]))]
+        left, right = (np.stack(side, axis=-1) for side in zip(*(of_both or [none]), strict=True))
+        real = np.concatenate([-left.real, left.imag], axis=-1), np.concatenate([right.real, right.imag], axis=-1) / 2
+        imaginary = np.concatenate([-left.real, -left.imag], axis=-1), np.concatenate([right.imag, right.real], axis=-1)
+        return real, (imaginary[0], imaginary[1] / 2)
+
     def by_matrices(self, part: slice = slice(None)) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the derivatives by added mass [1/kg], damping [s/kg] and stiffness [m/N], each (omega, dof, dof).
 
         D = -w^2 A - i w B + K, all symmetric, so are their derivatives.
         """
-        if not self.products:  # of a port that does not move
-            count, dof = self.excitation[part].shape
-            return (np.zeros((count, dof, dof)),) * 3
-        of_both = [(one, other) for t, q in self.products for one, other in ((t[part], q[part]), (q[part], t[part]))]
-        left, right = (np.stack(side, axis=-1) for side in zip(*of_both, strict=True))
-        real, imaginary = (
-            np.concatenate([-left.real, sign * left.imag], axis=-1) @ np.concatenate(ways, axis=-1).swapaxes(1, 2) / 2
-            for sign, ways in ((1.0, (right.real, right.imag)), (-1.0, (right.imag, right.real)))
-        )
+        real, imaginary = (left @ right.swapaxes(1, 2) for left, right in self._factors(part))
         w = self.omega[part, None, None]
         return -(w**2) * real, w * imaginary, real
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""
-        mass, damping, force = error.error
         sizes, dof = np.zeros(4), self.excitation.shape[1]
-        step, size = max(1, AT_ONCE // max(1, dof**2)), np.asarray if error.signed else np.abs
+        step, summed = max(1, AT_ONCE // max(1, dof**2)), self._signed if error.signed else self._unsigned
         for start in range(0, len(self.omega), step):
-            part = slice(start, start + step)
-            by_mass, by_damping, by_stiffness = self.by_matrices(part)
-            by_force = self.excitation[part] * force[part]
-            sums = [np.vdot(size(by_mass), size(mass[part])), np.vdot(size(by_damping), size(damping[part]))]
-            sums += [size(by_force).real.sum()]
-            sums += [] if error.stiffness is None else [np.vdot(size(by_stiffness).sum(axis=0), size(error.stiffness))]
-            sizes[: len(sums)] += sums
+            sizes += summed(error, slice(start, start + step))
         return float(np.abs(sizes).sum())
+
+    def _signed(self, error: CoefficientError, part: slice) -> FloatArray:
+        """Changes of ln P at some frequencies by mass, damping, excitation and stiffness of an error, shape (4,)."""
+        (left, right), (turned, beside) = self._factors(part)
+        w, (mass, damping, force) = self.omega[part], error.error
+        by_mass, by_damping = (
+            np.einsum("wik,wik->w", one, matrix[part] @ other)
+            for matrix, one, other in ((mass, left, right), (damping, turned, beside))
+        )
+        held = 0.0 if error.stiffness is None else np.vdot(left, error.stiffness @ right)
+        return np.array([-(w**2) @ by_mass, w @ by_damping, np.sum(self.excitation[part] * force[part]).real, held])
+
+    def _unsigned(self, error: CoefficientError, part: slice) -> FloatArray:
+        """The same if all entries of the error go together."""
+        (left, right), (turned, beside) = self._factors(part)
+        w, (mass, damping, force) = self.omega[part, None, None], error.error
+        by_mass = np.vdot(np.abs((w**2 * left) @ right.swapaxes(1, 2)), np.abs(mass[part]))
+        by_damping = np.vdot(np.abs((w * turned) @ beside.swapaxes(1, 2)), np.abs(damping[part]))
+        held = 0.0
+        if error.stiffness is not None:
+            held = np.vdot(np.abs(left @ right.swapaxes(1, 2)).sum(axis=0), np.abs(error.stiffness))
+        return np.array([by_mass, by_damping, np.abs(self.excitation[part] * force[part]).sum(), held])
 
 
 def sensitivity(
@@ -267,6 +285,16 @@ def relative_error(name: str, found: Coefficients, size: FloatArray | float) -> 
     both = np.maximum.outer(size, size)
     mass, damping, force = (part * np.abs(values) for part, values in zip((both, both, size), found, strict=True))
     return CoefficientError(name, Coefficients(mass, damping, force.astype(complex)), signed=False)
+
+
+def combined(errors: Sequence[CoefficientError]) -> list[CoefficientError]:
+    """Return errors whose changes of a power are added: those of which only sizes are known as one, their sum."""
+    signed = [one for one in errors if one.signed or one.stiffness is not None]
+    sizes = [one.error for one in errors if not (one.signed or one.stiffness is not None)]
+    if not sizes:
+        return signed
+    together = Coefficients(*(np.sum([np.abs(one) for one in part], axis=0) for part in zip(*sizes, strict=True)))
+    return [*signed, CoefficientError(RESOLVED, together._replace(excitation=together.excitation + 0j), signed=False)]
 
 
 def _by_motion(ds: xr.Dataset) -> FloatArray:

@@ -6,6 +6,7 @@ frequency is proportional to 1/(R + |Z| cosh(u - ln |Z|)), which is analytic wit
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -447,11 +448,20 @@ def best_of_table(damping: FloatArray, table: FloatArray) -> Load:
     at = np.clip(table.argmax(axis=0), NEIGHBOURS, len(damping) - NEIGHBOURS - 1)
     values = table[at + near[:, None], np.arange(table.shape[1])]
     # Powers of the distance in steps, highest first, as polyval wants them.
-    polynomial = np.linalg.solve(np.vander(near / NEIGHBOURS), values)
+    polynomial = _through(NEIGHBOURS) @ values
     x = _highest(polynomial)
     step = np.log(damping[1] / damping[0])
     found = damping[at] * np.exp(NEIGHBOURS * step * x)
     return Load(found, np.zeros_like(found), np.polyval(polynomial, x))
+
+
+@cache
+def _through(neighbours: int) -> FloatArray:
+    """Coefficients, highest first, of Lagrange's polynomials of x = -1 to 1 in equal steps, shape (power, point)."""
+    nodes = np.arange(-neighbours, neighbours + 1)
+    others = [np.delete(nodes, i) for i in range(len(nodes))]
+    of_steps = np.array([np.poly(rest) / np.prod(node - rest) for node, rest in zip(nodes, others, strict=True)])
+    return np.asarray((of_steps * float(neighbours) ** np.arange(len(nodes) - 1, -1, -1)).T)
 
 
 def _highest(polynomial: FloatArray) -> FloatArray:
@@ -464,5 +474,7 @@ def _highest(polynomial: FloatArray) -> FloatArray:
     for _ in range(NEWTON):
         bend = np.polyval(curvature, x)
         move = np.divide(-np.polyval(slope, x), bend, out=np.zeros_like(x), where=bend < flat)
-        x = np.clip(x + move, -1.0 / NEIGHBOURS, 1.0 / NEIGHBOURS)
+        before, x = x, np.clip(x + move, -1.0 / NEIGHBOURS, 1.0 / NEIGHBOURS)
+        if np.abs(x - before).max(initial=0.0) < 1e-9:  # convergence is quadratic
+            break
     return x
