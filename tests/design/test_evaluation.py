@@ -35,6 +35,7 @@ SPHEROID = {
     "reference_shape": "undeformed", "designs": {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 80}},
     "device": {"internal_pressure": 0.0, "thickness": 0.05, "young_modulus": 3e7, "shape": {"spheroid": {"height": 3.0}}},
 }  # fmt: skip
+OPENED = SPHEROID | {"device": SPHEROID["device"] | {"gas": {}}, "pto": {"port": "volume"}}
 CAPSULE = SPHEROID | {"device": SPHEROID["device"] | {"shape": {"capsule": {"length": 1.0}}}}
 INFLATED = CAPSULE | {"reference_shape": "equilibrium", "device": CAPSULE["device"] | {"internal_pressure": 2e4}}
 EGG = [[np.sin(a) * (1 + 0.1 * np.cos(a)), np.cos(a)] for a in np.linspace(0.0, np.pi, 13)[1:-1]]
@@ -59,7 +60,7 @@ def model_of(study, design, climate, variables):
     model = DesignModel.of(study, design, climate, variables)
     profile = study.device.shape is not None and study.device.shape.profile
     grid, fatigue = FrequencyGrid.of(climate, 12.0, 8, 3), Fatigue(exponent=4.0, strain=0.1)
-    several = isinstance(study.pto.port, SeveralPorts)
+    several = isinstance(study.pto.port, SeveralPorts) or study.opens_chamber
     return replace(model, nodes=64 if profile else 28, grid=grid, fatigue=None if several else fatigue)
 
 
@@ -120,6 +121,8 @@ def differences(model, variable, part):
         ("FSB", SERIES, "device.shape.series.radial.2"),
         ("VSWEC90", SERIES, "device.shape.series.axial.1"),
         ("VSWEC", SERIES, "device.radius"),
+        ("VSWEC", PORT | {"device": {"gas": {}}, "pto": {"port": "volume"}}, "device.internal_pressure"),
+        ("VSWEC", OPENED, "device.shape.spheroid.height"),
         ("VSWEC", RUBBER, "device.material.jm"),
         ("VSWEC", RUBBER, "device.material.mu"),
     ],
@@ -220,7 +223,7 @@ def test_what_cannot_be_evaluated_is_named(climate):
         ({}, "none", [], "design: received 'none'"),
         ({}, "FSB", ["device.colour"], "variables: received device.colour"),
         ({"pto": {"port": {"dofs": {"Heave": 1.0, "Membrane2": 0.5}}}}, "VSWEC", [], r"pto\.port.*no natural modes"),
-        ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", [], "pto.port"),
+        ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", ["pto.stiffness"], r"pto\.stiffness"),
         ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
         ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),
     ):
@@ -272,6 +275,7 @@ def campaigns_buoy(model):
         ("VSWEC90", SPHEROID),
         ("VSWEC90", SPHEROID | {"pto": {"port": {"colatitude": 70, "against": "frame"}}}),
         ("VSWEC", SPHEROID | {"pto": {"port": {"dof": "Heave"}}}),
+        ("VSWEC", OPENED),
         ("VSWEC", {"reference_shape": "undeformed", "water": {"depth": 5.0}, "device": {"thickness": 0.1}}),
     ],
 )

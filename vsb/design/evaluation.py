@@ -142,10 +142,8 @@ class DesignModel:
             raise ConfigError(
                 f"pto.port: received {port.dofs}; derivatives of designs know no natural modes, need Heave"
             )
-        if study.opens_chamber:
-            raise ConfigError(
-                "pto.port: received 'volume' with device.gas; a design needs another port, or no trapped gas"
-            )
+        if study.opens_chamber and (study.pto.stiffness or SPRING in variables):
+            raise ConfigError("pto.stiffness: received with pto.port: volume and device.gas; a design needs none there")
         if study.flexible and study.modes.basis != "full":
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
         if degree is None:
@@ -245,6 +243,10 @@ class DesignModel:
         year = self._year(study, motion)
         found = {**year.quantities, **self._at_rest(buoy, of_device, stepped)}
         if self.fatigue and study.designs[self.design].flexible:
+            if study.opens_chamber:
+                raise ConfigError(
+                    "fatigue: received with pto.port: volume and device.gas; needs another port or no gas"
+                )
             if isinstance(study.pto.port, SeveralPorts):
                 raise ConfigError("fatigue: received with several ports, whose damper matrix has no derivatives")
             damper = found["damping"].value, found["damping"].gradient

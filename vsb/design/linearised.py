@@ -44,6 +44,7 @@ class Linearised:
     radiation: ComplexArray  # A + i B/omega ([variable,] omega, motion, motion) [kg]
     excitation: ComplexArray  # ([variable,] omega, motion) [N/m]
     port: FloatArray  # b ([variable,] motion) [-]; of several ports B^T ([variable,] port, motion)
+    chamber: FloatArray  # compliance of trapped gas between port and take-off ([variable]) [m^3/Pa]; 0 without it
 
     def over(self, motions: FloatArray) -> "Linearised":
         """Return N^T V N and N^T f of the matrices V and forces f, N being other motions, shape (motion, free)."""
@@ -54,6 +55,7 @@ class Linearised:
             motions.T @ self.radiation @ motions,
             self.excitation @ motions,
             self.port @ motions,
+            self.chamber,
         )
 
     def turned(self, motions: FloatArray, change: FloatArray) -> "Linearised":
@@ -71,6 +73,7 @@ class Linearised:
             both(self.radiation),
             self.excitation @ change,
             self.port @ change,
+            np.zeros(len(change)),
         )
 
     def plus(self, other: "Linearised") -> "Linearised":
@@ -117,7 +120,9 @@ def linearised(
 
     motions, turning = motions_of(buoy, design, steps)
     solved = shape_derivative(problem, list(omega), directions)
-    values = Linearised(*buoy.matrices, radiated(solved.radiation), solved.excitation @ shape.T, _port(buoy))
+    values = Linearised(
+        *buoy.matrices, radiated(solved.radiation), solved.excitation @ shape.T, _port(buoy), buoy.chamber
+    )
     if not (values.port @ motions).any():
         raise ConfigError(
             f"pto.port: received {buoy.study.pto.port}, which design {design} does not move; needs another"
@@ -140,6 +145,7 @@ def linearised(
         radiation_change.swapaxes(0, 1),
         excitation_change.swapaxes(0, 1),
         _port_change(buoy, change, values.port) + by_port,
+        change(lambda b: b.chamber),
     ).over(motions)
     if turning.any():
         changes = changes.plus(values.turned(motions, turning))

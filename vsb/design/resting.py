@@ -77,7 +77,7 @@ class RestingBuoy:
     def matrices(self) -> Matrices:
         """Mass, damping and stiffness about the shape at rest."""
         basis, frame = self.loaded.basis, self.frame
-        stiffness = sum(stiffness_about(self.study, self.loaded, self.modal_amplitude).values())
+        stiffness = sum(matrix for name, matrix in self._stiffness.items() if name != "gas" or not self._opened)
         if frame is None:
             return Matrices(basis.inertia, basis.damping, np.asarray(stiffness))
         mass = frame.T @ basis.integrated("mass") @ frame
@@ -86,6 +86,24 @@ class RestingBuoy:
         damping = basis.alpha * mass + basis.beta * basis.stiffness
         mass[0, 0] = basis.total_mass
         return Matrices(mass, damping, frame.T @ stiffness @ frame)
+
+    @cached_property
+    def _stiffness(self) -> dict[str, FloatArray]:
+        """Stiffness about the shape at rest by its parts, shape (dof, dof) [N/m]."""
+        return stiffness_about(self.study, self.loaded, self.modal_amplitude)
+
+    @property
+    def _opened(self) -> bool:
+        """Whether the take-off lets trapped gas out: it is in series with it, and no longer holds the shell."""
+        return self.study.opens_chamber and "gas" in self._stiffness
+
+    @cached_property
+    def chamber(self) -> FloatArray:
+        """Compliance C of the gas before the take-off, from its stiffness b b^T/C, shape () [m^3/Pa]; 0 without it."""
+        if not self._opened:
+            return np.zeros(())
+        b = self.loaded.elastic.volume_gradient(self.modal_amplitude)
+        return np.asarray((b @ b) ** 2 / (b @ self._stiffness["gas"] @ b))
 
     @cached_property
     def frame(self) -> FloatArray | None:

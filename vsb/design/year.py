@@ -147,11 +147,11 @@ class YearMotion:
         Parameters
         ----------
         damper : float or ndarray, shape (port, port)
-            C [N s/m].
+            C [N s/m], behind the chamber if there is one.
         undamped : ndarray, shape (omega, free) [m]
         """
         under, resisting = self.undamped[1], 1j * self.grid.omega[:, None, None] * np.atleast_2d(damper)
-        beside = np.eye(len(self.rows)) - self.rows @ under @ resisting
+        beside = np.eye(len(self.rows)) - (self.rows @ under + self.buoy.chamber) @ resisting
         moved = np.linalg.solve(beside, (undamped @ self.rows.T)[..., None])
         return np.asarray(undamped + (under @ (resisting @ moved))[..., 0])
 
@@ -222,7 +222,8 @@ class PortYear:
         b, change = motion.buoy.port, motion.change.port
         q, under = motion.undamped[0], motion.undamped[1][..., 0]
         moved, receptance = motion.slopes(under, q), 2 * change @ under.T - motion.reaction(under, under)
-        return cls(motion.grid, q @ b, under @ b, moved + change @ q.T, receptance)
+        receptance = receptance + motion.change.chamber[:, None]
+        return cls(motion.grid, q @ b, under @ b + motion.buoy.chamber, moved + change @ q.T, receptance)
 
     @property
     def optimal_damping(self) -> float:

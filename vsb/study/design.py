@@ -616,6 +616,8 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
         mistakes.add(
             "tuning", f"received causal with pto.port of {problem.study}; needs one port that acts with a force"
         )
+    if problem.fatigue and study.opens_chamber:
+        mistakes.add("fatigue", "received with gas between port and take-off (pto.port: volume); needs another port")
     if isinstance(pto.port, SeveralPorts):
         if problem.fatigue:
             mistakes.add("fatigue", "received with several ports; the damage of the wall is computed with one damper")
