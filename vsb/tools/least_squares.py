@@ -17,10 +17,12 @@ def levenberg_marquardt(
     jacobian: Callable[[FloatArray], FloatArray],
     x: FloatArray,
     enough: float = 0.0,
+    gain: float = _ENOUGH,
 ) -> FloatArray:
     """Return where a sum of squares is least, or no more than enough, from a start; damped as Nielsen (1999) does.
 
-    The normal equations are solved: with damping they stand a Jacobian without full rank.
+    A step that gains less than a part `gain` of what is left ends the search. The normal equations are solved: with
+    damping they stand a Jacobian without full rank.
     """
     r, j = residual(x), jacobian(x)
     damping, growth = 1e-3 * float((j**2).sum(axis=0).max()), 2.0
@@ -33,9 +35,9 @@ def levenberg_marquardt(
         if gained > 0:
             x, r, j = x + step, moved, jacobian(x + step)
             damping, growth = damping * max(1 / 3, 1 - float(2 * gained / promised - 1) ** 3), 2.0
-            if gained < _ENOUGH * (r @ r) or r @ r <= enough:
+            if gained < gain * (r @ r) or r @ r <= enough:
                 break
-        elif promised < _ENOUGH * (r @ r):
+        elif promised < gain * (r @ r):
             break
         else:
             damping, growth = damping * growth, 2 * growth

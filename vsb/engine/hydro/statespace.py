@@ -13,11 +13,11 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky, eigh, expm, solve_continuous_lyapunov, solve_triangular
-from scipy.optimize import least_squares
 
 from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.least_squares import levenberg_marquardt
 
 ORDERS = (6, 10, 14, 18, 22)
 UNUSABLE = 0.02
@@ -25,6 +25,7 @@ UNUSABLE = 0.02
 _DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # starting phases of the channel, in units of the time scale of the body
 _LEADING = 1e-4  # part of the largest singular value of the amplitudes above which a direction is fitted
 _POLISHED_PART = 3e-3  # the same above which its fit is polished; the others follow from these
+_GAIN = 1e-5  # part of the squared error that a step gains, below which polishing ends
 _POLISHED = 2  # number of starts that are polished, best first
 
 
@@ -193,26 +194,25 @@ def _start(resolvent: ComplexArray, channel: FloatArray, x: FloatArray, phase: F
 def _polish(resolvent: ComplexArray, target: ComplexArray, start: FloatArray) -> tuple[FloatArray, float]:
     """Least-squares fit of G^T R G to the target from a start; returns G and the rms error."""
     state, dof = start.shape
-    upper = np.triu_indices(dof)
-    select = np.zeros((2, len(upper[0]), dof))
-    select[0, range(len(upper[0])), upper[0]] = select[1, range(len(upper[0])), upper[1]] = 1.0
+    even = 0.5 * (resolvent + resolvent.transpose(0, 2, 1))
+    first, second = np.triu_indices(dof)
+    entry = np.arange(len(first))
 
     def residual(flat: FloatArray) -> FloatArray:
         g = flat.reshape(state, dof)
-        k = g.T @ (resolvent @ g)
-        d = (0.5 * (k + k.transpose(0, 2, 1)) - target)[:, *upper]
+        d = (g.T @ (even @ g) - target)[:, first, second]
         return np.concatenate([d.real.ravel(), d.imag.ravel()])
 
     def jacobian(flat: FloatArray) -> FloatArray:
-        g = flat.reshape(state, dof)
-        both = 0.5 * (resolvent @ g + np.einsum("ni,wnm->wmi", g, resolvent))  # (w, state, dof)
-        first, second = both[:, :, upper[1]], both[:, :, upper[0]]
-        d = np.einsum("wnp,pb->wpnb", first, select[0]) + np.einsum("wnp,pb->wpnb", second, select[1])
-        d = d.reshape(-1, flat.size)
-        return np.concatenate([d.real, d.imag])
+        both = (even @ flat.reshape(state, dof)).transpose(2, 0, 1)  # (dof, omega, state)
+        slopes = np.zeros((2, len(even), len(entry), state, dof))
+        for part, one in zip(slopes, (both.real, both.imag), strict=True):
+            part[:, entry, :, first] += one[second]
+            part[:, entry, :, second] += one[first]
+        return slopes.reshape(-1, flat.size)
 
-    fit = least_squares(residual, start.ravel(), jac=jacobian, method="trf", x_scale="jac", max_nfev=30)
-    return fit.x.reshape(state, dof), float(np.sqrt(np.mean(fit.fun**2)))
+    found = levenberg_marquardt(residual, jacobian, start.ravel(), gain=_GAIN)
+    return found.reshape(state, dof), float(np.sqrt(np.mean(residual(found) ** 2)))
 
 
 def _channel_amplitudes(spectrum: DampingSpectrum, omega: FloatArray, scale: FloatArray) -> FloatArray:
