@@ -12,7 +12,8 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
 from vsb.study.blocks import BlockSpec
-from vsb.study.campaign_plan import CampaignPlan, Member
+from vsb.study.campaign import CAUSAL
+from vsb.study.campaign_plan import CAUSAL_YEAR_SECONDS, CampaignPlan, Member
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy
@@ -49,6 +50,8 @@ REST_SECONDS = 1.2
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
+CONTROLLED_SEA_SECONDS = {"linear": 2.0, "body_exact": 8.0}
+"""The same under a causal controller, its filter included."""
 BODY_SECONDS, IN_FINITE_DEPTH = 0.25, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 MOST_MEMORY = 0.7
@@ -132,4 +135,6 @@ def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
 
 def verification_seconds(spec: VerificationSpec) -> float:
     """Return the CPU time of the seas of a member that are simulated, with the radiation memory they need [s]."""
-    return MEMORY_SECONDS + SEA_SECONDS[spec.verify.model] * float(spec.verify.seas * len(spec.designs))
+    controlled = CAUSAL in spec.tuning
+    each = (CONTROLLED_SEA_SECONDS if controlled else SEA_SECONDS)[spec.verify.model] * spec.verify.seas
+    return MEMORY_SECONDS + (each + CAUSAL_YEAR_SECONDS * controlled) * len(spec.designs)

@@ -49,7 +49,7 @@ BATCH_SECONDS = 8.0
 """What a batch is to take at least, so that starting it, 2 s, does not count."""
 MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member whose coefficients are there, of coefficients of a shape."""
-CAUSAL_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
+CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
 """CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
 WITH_LOSSES = 5.0
 """That with losses in conversion, over it: weights are found by repetition."""
@@ -205,7 +205,7 @@ class CampaignPlan(ResultsFolder):
         constrained, base = self.loaded.constrained, self.loaded.base
         each = OVER_BUDGET * constrained.seconds if constrained else 0.0
         if {*AT_FORCE} & {*self.loaded.tuning}:
-            seconds = CAUSAL_AT_PORTS_SECONDS if base.pto.several else CAUSAL_SECONDS
+            seconds = CAUSAL_AT_PORTS_SECONDS if base.pto.several else CAUSAL_YEAR_SECONDS
             each += seconds * (WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
         return MEMBER_SECONDS + each * len(base.designs)
 

@@ -500,7 +500,8 @@ class Pto(Brief):
         if self.several and (self.nonlinear or self.stiffness or self.efficiency < 1.0):
             raise ValueError(
                 "port: several ports, or a damper spread over the shell, have a damper matrix alone; needs law: linear "
-                "without limits, stiffness and efficiency"
+                "without limits, stiffness and efficiency: of several ports the level causal keeps the rms of all "
+                "forces together of the optimal matrix, and one port alone has force_limit"
             )
         return self
 
