@@ -8,10 +8,11 @@ from conftest import varied
 from motion.test_port import solved
 
 from vsb.engine.hydro.database import Coefficients
-from vsb.engine.motion.damper_matrix import Ports, best_matrix
+from vsb.engine.motion.damper_matrix import Ports, best_matrix, matrix_within_force
 from vsb.engine.motion.frequency import LinearEquation
-from vsb.engine.motion.port import LinearPto, port_direction
+from vsb.engine.motion.port import LinearPto, Port, port_direction
 from vsb.engine.motion.take_off import DistributedPort, SeveralPorts
+from vsb.engine.motion.tuning import damper_within_force
 from vsb.models.rest import design_motions, reference_shell, study_basis
 
 ALL = np.ones(1)
@@ -135,3 +136,36 @@ def test_damper_spread_over_the_membrane_has_its_stiffness(seed):
     spread = port_direction(DistributedPort(distributed="membrane"), reference_shell(study).shape)
     stiffness = study_basis(study).stiffness
     np.testing.assert_allclose(spread @ spread.T, stiffness, rtol=2e-5, atol=1e-9 * stiffness.max())
+
+
+def test_matrix_within_a_force_is_the_best_of_those_that_keep_it():
+    """Of one port it is the damper within the force; a price's slope is that of power less price times mean square."""
+    rng = np.random.default_rng(8)
+    omega = np.linspace(0.5, 3.0, 120)
+    at = omega[:, None, None]
+    loss, mass, stiffness = (
+        np.array(rows) for rows in ([[5.0, 1.0], [1.0, 3.0]], [[4.0, 0.5], [0.5, 2.0]], [[9.0, 1.0], [1.0, 8.0]])
+    )
+    y = np.linalg.inv(loss - 1j * at * mass + 1j * stiffness / at)
+    ports, squares = Ports(omega, y, y @ np.array([3.0, 1.0])), 0.02 * np.exp(-(((omega - 1.5) / 0.4) ** 2))
+    best = best_matrix(ports, squares)
+    limit = 0.3 * float(np.linalg.norm(ports.force_rms(best.damping, squares)))
+    found = matrix_within_force(ports, squares, limit)
+    assert np.linalg.norm(ports.force_rms(found.damping, squares)) == pytest.approx(limit, rel=1e-5)
+    for _ in range(20):
+        factor, sizes = rng.standard_normal((2, 2)), np.geomspace(1e-2, 1e2, 200)
+        tried = sizes[:, None, None] * (found.damping + rng.uniform(0.0, 2.0) * (factor @ factor.T))
+        kept = [one for one in tried if np.linalg.norm(ports.force_rms(one, squares)) <= limit]
+        assert float(squares @ ports.power(kept[-1])) <= found.power * (1 + 1e-6)
+    assert matrix_within_force(ports, squares, 10 * limit).power == pytest.approx(best.power)
+    alone, single = (
+        Port(omega, y[:, 0, 0], ports.velocity[:, 0], 1.0),
+        Ports(omega, y[:, :1, :1], ports.velocity[:, :1]),
+    )
+    damper = damper_within_force(alone, squares[None], limit)
+    assert matrix_within_force(single, squares, limit).power == pytest.approx(float(damper.power[0]), rel=1e-5)
+    step, matrix, price = 1e-6, np.array([[2.0, 0.3], [0.3, 1.0]]), 0.07
+    change = np.array([[1.0, 0.5], [0.5, -0.4]])
+    ends = [ports.power_and_slope(matrix + s * step * change, squares, price)[0] for s in (1, -1)]
+    slope = ports.power_and_slope(matrix, squares, price)[1]
+    assert (ends[0] - ends[1]) / (2 * step) == pytest.approx(float((slope * change).sum()), rel=1e-6)

@@ -73,6 +73,10 @@ def test_errors_of_the_take_off(seed, keys, wrong):
         ({"pto": TWO | {"damping": [[1.0, 2.0], [2.0, 3.0]]}}, r"damping: needs a matrix without negative eigenvalues"),
         ({"pto": TWO | {"damping": 8000.0}}, r"pto.port.damping|damping"),
         ({"pto": TWO | {"stiffness": 3.0}}, r"several ports, or a damper spread over the shell, have a damper matrix"),
+        (
+            {"pto": TWO | {"control": {"force_rms": 1e3}}},
+            r"control.force_rms: received ports in N, N/m; needs one port",
+        ),
         ({"pto": TWO | {"tuning": "fixed"}}, r"tuning: of several ports is fixed with a damping matrix"),
         ({"pto": {"ports": {"a": "pitch", "b": "heave"}}}, r"a: needs heave, volume, a ring, two points or the strain"),
         ({"pto": TWO, "hydro": {"model": "auto"}}, r"need motion: heave, hydro.model: linear or body_exact, and no"),

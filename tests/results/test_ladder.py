@@ -357,6 +357,28 @@ def test_causal_control_lies_between_damper_and_known_future_at_its_force(small,
     assert row.endswith(",1e-06,0.5")
 
 
+def test_several_ports_of_a_given_rms_force(small):
+    """A rigid buoy, which moves one of them alone, has what that port has by itself."""
+    data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 3.0}]}
+    data["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
+    both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
+    plans = (StudyPlan(parse(data | {"pto": pto | {"control": {"force_rms": 300.0}}})) for pto in (both, {}))
+    several, one = (
+        {(level.design, level.rung): level for level in study_ladder(plan.ladder, small.database_path)}
+        for plan in plans
+    )
+    for rung in ("damper_same_force", "causal"):
+        for design in data["designs"]:
+            assert several[design, rung].force_rms == pytest.approx(300.0, rel=1e-5)
+            assert one[design, rung].force_rms == pytest.approx(300.0, rel=1e-5)
+        assert several["FSB", rung].power_mean == pytest.approx(one["FSB", rung].power_mean, rel=1e-5)
+        assert several["VSWEC", rung].power_mean > one["VSWEC", rung].power_mean
+    same, causal, best = (several["VSWEC", rung] for rung in ("damper_same_force", "causal", "best_damper"))
+    assert same.power_mean < causal.power_mean
+    assert same.power_mean < 0.5 * best.power_mean
+    assert "damper matrix" in same.note
+
+
 def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small):
     sea, drag = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"heave": {"coefficient": 2.0, "area": 12.0}}
     data = small.study.model_dump() | {"waves": [sea], "pto": {"tuning": "each"}, "drag": drag}

@@ -165,3 +165,13 @@ def test_year_includes_the_spring_of_the_take_off(study, seas):
         for k in (0, 30, 60):
             tried, power = (float(found[name][i, k]) for name in ("tried_damping", "power_of_damping"))
             assert power == pytest.approx(taken(tried), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_causal_control_of_several_ports_needs_no_other_tuning(study):
+    both = varied(
+        study, pto={"damping": None, "ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
+    )
+    ds = year_of(both, climate(seas=2), ("damper_same_force", "causal"))
+    assert (ds.annual_mean_power.sel(tuning="causal") >= ds.annual_mean_power.sel(tuning="damper_same_force")).all()
+    assert ds.damper_matrix.sel(tuning="damper_same_force").notnull().all()

@@ -176,6 +176,7 @@ def test_errors_in_a_design_file(folder, changes, message):
         ({"pto": {"damping": 8000.0, "port": "volume"}}, "pto.port that a rigid buoy does not move.*needs heave"),
         ({"pto": {"damping": 8000.0, "port": {"colatitude": 0, "against": "frame"}}}, "a rigid buoy does not move"),
         ({"pto": {"damping": 8000.0, "efficiency": 0.9}}, r"design.yaml:2: study: pto.efficiency: received 0.9"),
+        ({"pto": {"control": {"force_rms": 1e3}}}, r"study: pto.control.force_rms: received 1000; that of a design is"),
     ],
 )
 def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, message):

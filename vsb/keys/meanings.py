@@ -271,6 +271,13 @@ KEYS: dict[str, dict[str, Key]] = {
     "Control": {
         "noise": Key("-", "1.0e-4", "density of the noise it measures, over the largest of the waves' force"),
         "forecast": Key("s", "2.0", "how far ahead it knows the waves"),
+        "force_rms": Key(
+            "N",
+            "2000.0",
+            "rms force of `causal` and `damper_same_force`, of several ports of all forces together; without it the "
+            "force limit, or what the optimal damper has",
+            "load_unit",
+        ),
     },
     "ShellPort": {
         "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),

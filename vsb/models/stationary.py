@@ -168,19 +168,24 @@ def continued(spacing: float, near: Port, far: Port, density: FloatArray) -> Sta
 
 
 def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
-    """Return the rms values a causal controller keeps: the limits given; of force without one its optimal damper's.
+    """Return the rms values a causal controller keeps: those given; of force without one its optimal damper's.
 
     Parameters
     ----------
     squares : ndarray, shape (omega,) [m^2]
         Squared amplitudes of the sea at the frequencies of the port.
     """
-    if pto.force_limit < np.inf:
-        return RmsLimits(pto.force_limit, pto.stroke_limit)
+    if (force := rms_force(pto, np.inf)) < np.inf:
+        return RmsLimits(force, pto.stroke_limit)
     best = best_dampers(seen, squares[None], pto.stiffness, pto.efficiency)
     load = seen.load(best.damping, best.stiffness)[0]
-    force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
-    return RmsLimits(float(np.sqrt(force)), pto.stroke_limit)
+    square = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
+    return RmsLimits(float(np.sqrt(square)), pto.stroke_limit)
+
+
+def rms_force(pto: Pto, optimal: float) -> float:
+    """Return the rms force of causal control: that given, else the force limit, else that of the optimal damper [N]."""
+    return next((force for force in (pto.control.force_rms, pto.force_limit) if force < np.inf), optimal)
 
 
 def forces_alike(pto: Pto) -> bool:

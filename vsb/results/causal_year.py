@@ -27,13 +27,14 @@ from vsb.engine.motion.coefficient_errors import (
     sensitivity_at_ports,
     sensitivity_of_forces,
 )
+from vsb.engine.motion.damper_matrix import matrix_within_force
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import converted_power, damper_within_force
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
 from vsb.engine.waves.kinds import RESOLVED
 from vsb.models.floating_system import AnyBody, Floating, InWaves, SeveralInWaves
-from vsb.models.stationary import continued, continued_several, force_units, grid, rms_limits
+from vsb.models.stationary import continued, continued_several, force_units, grid, rms_force, rms_limits
 from vsb.models.take_off import matrix_kind
 from vsb.results.left_out import LeftOut
 from vsb.results.matrix_year import MatrixYear
@@ -139,21 +140,25 @@ def powers_of_seas(means: FloatArray, hours: FloatArray, efficiency: float, know
 
 
 def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: StationaryPorts) -> dict[str, Scheduled]:
-    """Return the optimal damper matrix, and the causal control of its rms force, in the mean spectrum of a bin.
+    """Return a damper matrix, and the causal control of its rms force, in the mean spectrum of a bin.
 
-    The matrix is the best of `MatrixYear.tried`, as in each sea. Parameters as of `scheduled`.
+    The matrix is the best of a given rms force or, without one, of `MatrixYear.tried`, as in each sea. Parameters as of
+    `scheduled`.
     """
     seen, noise, forecast = year.port, pto.control.noise, pto.control.forecast
-    matrix = max(year.tried, key=lambda one: float(squares @ seen.power(one)))
+    if pto.control.force_rms < np.inf:
+        matrix = matrix_within_force(seen, squares, pto.control.force_rms, year.kind).damping
+    else:
+        matrix = max(year.tried, key=lambda one: float(squares @ seen.power(one)))
     power, force = float(squares @ seen.power(matrix)), seen.velocity_under(matrix) @ matrix
-    rms = np.sqrt(0.5 * squares @ np.abs(force) ** 2)
+    rms = seen.force_rms(matrix, squares)
     damped = Scheduled(power, 0.0, float(np.linalg.norm(rms)), force, matrix)
     if not power > 0:
         return {SAME_FORCE: damped, CAUSAL: damped}
     units = force_units(pto, rms)
     forces = np.diag(units) @ ports.over(np.diag(units)).moving()
     moved = ports.over(forces)
-    found = optimum_of_several(moved, float(np.linalg.norm(rms / units)), noise, forecast)
+    found = optimum_of_several(moved, rms_force(pto, float(np.linalg.norm(rms / units))), noise, forecast)
     ratio = float(squares @ seen.matched_power) / ports.matched_power
     if power >= ratio * found.power:
         return {SAME_FORCE: damped, CAUSAL: damped}

@@ -24,7 +24,7 @@ from vsb.engine.motion.coefficient_errors import (
     sensitivity_at_ports,
 )
 from vsb.engine.motion.constrained import optimum_in_sea
-from vsb.engine.motion.damper_matrix import best_matrix, matrix_text
+from vsb.engine.motion.damper_matrix import Ports, best_matrix, matrix_text, matrix_within_force
 from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
@@ -59,6 +59,7 @@ from vsb.models.stationary import (
     force_units,
     forces_alike,
     optimum_with_drag,
+    rms_force,
     stationary_ports,
     stationary_several,
 )
@@ -96,6 +97,7 @@ STILL = "waves do not move this port"
 NUMERICAL = "time step of the controller"
 DAMPER_BETTER = "a damper absorbs no less than the controller with this noise"
 SPREAD_DRAG = "beside quadratic drag causal control is known in seas of one direction alone"
+FORCE_WITH_DRAG = "beside quadratic drag the rms force is that of the optimal damper; remove pto.control.force_rms"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
@@ -514,7 +516,7 @@ def causal_levels(
         if wave.label not in stationary:
             stationary[wave.label] = stationary_ports(floating, wave, sea)
         (port, squares_of_all, _), row = ports[design], slice(i, i + 1)
-        limits = RmsLimits(best.force_rms if np.isinf(pto.force_limit) else pto.force_limit, pto.stroke_limit)
+        limits = RmsLimits(rms_force(pto, best.force_rms), pto.stroke_limit)
         damper = damper_within_force(port, squares_of_all[row], limits.force, pto.stiffness, pto.efficiency)
         load = port.load(damper.damping, damper.stiffness)[0]
         moved = port.velocity_under(load)
@@ -573,8 +575,8 @@ def causal_levels_with_drag(
             rung=CAUSAL, damping=None, stiffness=None, power_mean=None, limit_fraction=None, force_rms=None,
             force_peak=None, stroke_peak=None, noise=noise, forecast=forecast,
         )  # fmt: skip
-        if sea.heading is not None:
-            found.append(unknown._replace(note=SPREAD_DRAG))
+        if sea.heading is not None or pto.control.force_rms < np.inf:
+            found.append(unknown._replace(note=SPREAD_DRAG if sea.heading is not None else FORCE_WITH_DRAG))
             continue
         found.append(best._replace(rung=SAME_FORCE))
         try:
@@ -607,10 +609,10 @@ def causal_levels_of_several(
     matrices: Matrices,
     levels: Sequence[ControlLevel],
 ) -> list[ControlLevel]:
-    """Return the optimal causal control of several ports in every irregular sea, beside the best damper matrix.
+    """Return the optimal causal control of several ports in every irregular sea, and a damper matrix of its rms force.
 
-    The rms of all forces together, sqrt(sum of mean squares), is that of this matrix. Forces of ports of unlike kinds
-    are counted in units of those that it has.
+    The rms of all forces together, sqrt(sum of mean squares), is the one given, or that of the optimal matrix. Forces
+    of ports of unlike kinds are counted in units of those that it has.
     """
     omega, found = frequencies([sea for _, sea in seas]), []
     rows, ports, alike = squares([sea for _, sea in seas], omega), floating.several_ports(omega), forces_alike(pto)
@@ -622,18 +624,30 @@ def causal_levels_of_several(
             best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
             if not best.power_mean or not matched.power_mean:
                 continue
-            matrix = matrices[design, wave.label, "best_damper"]
-            force = np.sqrt(0.5 * row @ np.abs(ports[design].velocity_under(matrix) @ matrix) ** 2)
+            force = ports[design].force_rms(matrices[design, wave.label, "best_damper"], row)
             units = force_units(pto, force)
-            limit = float(np.linalg.norm(force / units))
+            limit = rms_force(pto, float(np.linalg.norm(force / units)))
             together = "of all forces together" if alike else "of all forces together, each in units of the damper's"
             same = best._replace(rung=SAME_FORCE, force_rms=limit if alike else None)
+            if pto.control.force_rms < np.inf:
+                same = _within_force(same, ports[design], row, limit, pto, matched.power_mean)
             found += [
                 same,
                 _causal_of_several(stationary.over(np.diag(units)).moved(), same, limit, matched.power_mean, pto),
             ]
             found[-1] = found[-1]._replace(note="; ".join(filter(None, [f"rms {together}", found[-1].note])))
     return found
+
+
+def _within_force(
+    level: ControlLevel, ports: Ports, squares: FloatArray, limit: float, pto: Pto, matched: float
+) -> ControlLevel:
+    """The level of the best damper matrix whose forces together have at most a given rms."""
+    found = matrix_within_force(ports, squares, limit, matrix_kind(pto))
+    together = float(np.linalg.norm(ports.force_rms(found.damping, squares)))
+    note = f"damper matrix {matrix_text(found.damping, 6)}"
+    share = found.power / matched
+    return level._replace(power_mean=found.power, limit_fraction=share, force_rms=together, note=note)
 
 
 def _causal_of_several(

@@ -105,9 +105,10 @@ def member(
         ports = moving.several_in_waves() if some.pto.several else {}
         waves = {} if ports else moving.in_waves()
         left_out = left_out_of_year(some, system, climate)
-        if ports:
+        own: Values = {}
+        if ports and damped.tunings:
             own = MatrixYears(climate, damped.tunings)(some, ports, errors, left_out)
-        else:
+        elif not ports:
             own = damped(some, waves, errors, left_out)
         _fill(found, at, own, here)
         if at_force := [str(one) for one in tunings if one in AT_FORCE]:

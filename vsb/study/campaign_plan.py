@@ -51,6 +51,8 @@ MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member whose coefficients are there, of coefficients of a shape."""
 CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
 """CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
+MATRICES_WITHIN_SECONDS = 150.0
+"""Of the damper matrices of a given rms force in each of these bins."""
 WITH_LOSSES = 5.0
 """That with losses in conversion, over it: weights are found by repetition."""
 OVER_BUDGET = 2.0
@@ -206,6 +208,8 @@ class CampaignPlan(ResultsFolder):
         each = OVER_BUDGET * constrained.seconds if constrained else 0.0
         if {*AT_FORCE} & {*self.loaded.tuning}:
             seconds = CAUSAL_AT_PORTS_SECONDS if base.pto.several else CAUSAL_YEAR_SECONDS
+            if base.pto.several and base.pto.control.force_rms < math.inf:
+                seconds += MATRICES_WITHIN_SECONDS
             each += seconds * (WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
         return MEMBER_SECONDS + each * len(base.designs)
 

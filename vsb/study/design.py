@@ -543,6 +543,8 @@ def read(raw: object, source: str) -> LoadedDesign:
         mistakes.end("study", str(error).removeprefix("with nothing varied: "))
     if study.pto.efficiency != 1.0:
         mistakes.end("study", f"pto.efficiency: received {study.pto.efficiency:g}; a design needs 1")
+    if (force := study.pto.control.force_rms) < math.inf:
+        mistakes.end("study", f"pto.control.force_rms: received {force:g}; that of a design is limits.force_rms")
     return loaded
 
 

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 
 from vsb.tools.arrays import ComplexArray, FloatArray
 
@@ -29,6 +29,8 @@ SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
 ALONG = np.arange(-8.0, 9.0)
 """Logarithms of those dampers, where all ports have the same: power in them has no feature narrower than 1."""
+FORCE_KEPT = 1e-6
+"""Relative tolerance on a limit of the rms of all forces."""
 ROUND_OFF = 1e-9
 """Share of the largest loss of the ports at a frequency below which a combination of them radiates nothing [-]."""
 
@@ -82,7 +84,7 @@ class Ports:
         velocity = self.velocity_under(damping)
         return np.asarray(0.5 * np.real(np.einsum("wi,ij,wj->w", velocity.conj(), damping, velocity)))
 
-    def power_and_slope(self, damping: FloatArray, squares: FloatArray) -> tuple[float, FloatArray]:
+    def power_and_slope(self, damping: FloatArray, squares: FloatArray, price: float = 0.0) -> tuple[float, FloatArray]:
         """Return the mean power in a sea [W] and its derivative by the entries of a symmetric damper matrix.
 
         Parameters
@@ -90,15 +92,23 @@ class Ports:
         damping : ndarray, shape (port, port)
         squares : ndarray, shape (omega,)
             Squared amplitudes of the sea [m^2].
+        price : float [m/(N s)]
+            Less this times the mean square of all forces.
         """
         velocity = self.velocity_under(damping)
         force = velocity @ damping
-        beyond = velocity - np.einsum("wji,wj->wi", self.admittance.conj(), force)
+        beyond = velocity - np.einsum("wji,wj->wi", self.admittance.conj(), force) - 2 * price * force
         loaded = np.eye(len(damping)) + self.admittance.conj().swapaxes(1, 2) @ damping
         adjoint = np.linalg.solve(loaded, beyond[..., None])[..., 0]
-        power = 0.5 * float(squares @ np.real(np.einsum("wi,wi->w", velocity.conj(), force)))
+        paid = velocity - price * force
+        power = 0.5 * float(squares @ np.real(np.einsum("wi,wi->w", paid.conj(), force)))
         slope = 0.5 * np.real(np.einsum("w,wi,wj->ij", squares, adjoint.conj(), velocity))
         return power, (slope + slope.T) / 2
+
+    def force_rms(self, damping: FloatArray, squares: FloatArray) -> FloatArray:
+        """Return the root mean square of each port's force in a sea under a damper matrix, shape (port,)."""
+        force = self.velocity_under(damping) @ damping
+        return np.asarray(np.sqrt(0.5 * squares @ np.abs(force) ** 2))
 
     def at(self, chosen: FloatArray) -> "Ports":
         """Return the ports at some of their frequencies, by index or mask."""
@@ -112,7 +122,9 @@ class DamperMatrix(NamedTuple):
     power: float  # [W]
 
 
-def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_steps: int = 0) -> DamperMatrix:
+def best_matrix(
+    ports: Ports, squares: FloatArray, kind: Kind = "full", newton_steps: int = 0, price: float = 0.0
+) -> DamperMatrix:
     """Return the damper matrix C >= 0, real and symmetric, that absorbs most in a sea.
 
     Parameters
@@ -123,6 +135,8 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_s
     newton_steps : int
         Most Newton steps after quasi-Newton's: of a matrix whose power is to be differentiated, for then slopes by the
         ports are as exact as the matrix.
+    price : float [m/(N s)]
+        Of the mean square of all forces, which is taken from the power that is maximised.
 
     Notes
     -----
@@ -138,7 +152,7 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_s
     moving = ports.admittance.any(axis=(0, 2))
     if kind != "uniform" and not moving.all():  # as in a rigid design, which a port of strain does not move with
         part = Ports(ports.omega, ports.admittance[:, moving][:, :, moving], ports.velocity[:, moving])
-        some, whole = best_matrix(part, squares, kind, newton_steps), np.zeros((count, count))
+        some, whole = best_matrix(part, squares, kind, newton_steps, price), np.zeros((count, count))
         whole[np.ix_(moving, moving)] = some.damping
         return DamperMatrix(whole, some.power)
     seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
@@ -149,11 +163,12 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_s
 
     def loss(x: FloatArray) -> tuple[float, FloatArray]:
         damping, pull = form.matrix(x, unit)
-        power, slope = seen.power_and_slope(damping, weights)
+        power, slope = seen.power_and_slope(damping, weights, price)
         return -power / limit, -pull(slope) / limit
 
     def power(x: FloatArray) -> float:
-        return float(weights @ seen.power(form.matrix(x, unit)[0]))
+        damping, _ = form.matrix(x, unit)
+        return float(weights @ seen.power(damping)) - price * float((seen.force_rms(damping, weights) ** 2).sum())
 
     starts = form.starts(np.random.default_rng(count))
     powers = np.array([power(x) for x in starts])
@@ -163,7 +178,7 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full", newton_s
     else:
         followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
     if isinstance(form, _Full):
-        own = best_matrix(ports, squares, "diagonal").damping
+        own = best_matrix(ports, squares, "diagonal", price=price).damping
         followed.append(form.of_diagonal(np.diag(own) / unit**2))
     found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
     best: FloatArray = min(found, key=lambda one: float(one.fun)).x
@@ -187,6 +202,35 @@ def _newton_step(loss: Callable[[FloatArray], tuple[float, FloatArray]], x: Floa
     after, slope_after = loss(moved)
     better = after <= value + 1e-14 and np.abs(slope_after).max() < np.abs(slope).max()
     return np.asarray(moved if better else x)
+
+
+def matrix_within_force(ports: Ports, squares: FloatArray, limit: float, kind: Kind = "full") -> DamperMatrix:
+    """Return the damper matrix that absorbs most in a sea with a given rms of all forces together at most.
+
+    Parameters
+    ----------
+    squares, kind
+        See `best_matrix`.
+    limit : float [N]
+        Of ports whose forces have one unit.
+    """
+
+    def at(logarithm: float) -> DamperMatrix:
+        return best_matrix(ports, squares, kind, price=float(np.exp(logarithm)))
+
+    def excess(found: DamperMatrix) -> float:
+        return float(np.log(np.linalg.norm(ports.force_rms(found.damping, squares)) / limit))
+
+    best = best_matrix(ports, squares, kind)
+    if not best.power > 0 or excess(best) <= FORCE_KEPT:
+        return best
+    free = 0.5 * squares @ np.abs(ports.velocity) ** 2
+    high = float(np.log(np.sqrt(free.sum()) / (2 * limit)))  # where the force alone costs, the limit holds
+    low = high - 1.0
+    while excess(at(low)) < 0:
+        low -= 2.0
+    root = float(brentq(lambda price: excess(at(price)), low, high, xtol=FORCE_KEPT))
+    return next(one for one in map(at, (root, root + 2 * FORCE_KEPT, high)) if excess(one) <= FORCE_KEPT)
 
 
 def matrix_text(matrix: FloatArray, digits: int) -> str:

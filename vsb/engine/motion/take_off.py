@@ -327,10 +327,13 @@ class Control(Brief):
     """What a causal controller knows: `noise` of what it measures, `forecast` seconds of the waves to come.
 
     The noise is white; it is given by its density over the largest one of the force of the waves at the port.
+    `force_rms` [N] is the rms force of the levels `causal` and `damper_same_force`, of several ports that of all forces
+    together; without it that is the force limit, or what the optimal damper has.
     """
 
     noise: Annotated[Positive, within(1e-14, 1.0, "-", "below noise is not resolved, above it hides the waves")] = 1e-5
     forecast: Annotated[NonNegative, within(0.0, 600.0, "s", "no sea is known so far ahead")] = 0.0
+    force_rms: Limit = math.inf
 
 
 class Pto(Brief):
@@ -503,6 +506,16 @@ class Pto(Brief):
                 "without limits, stiffness and efficiency: of several ports the level causal keeps the rms of all "
                 "forces together of the optimal matrix, and one port alone has force_limit"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _forces_alike(self) -> Self:
+        if self.control.force_rms == math.inf or not self.several:
+            return self
+        units = {port_kind(port).load_unit for port in named_ports(self).values()}
+        if len(units) != 1:
+            there = f"ports in {', '.join(sorted(units))}" if units else "a damper spread over the shell"
+            raise ValueError(f"control.force_rms: received {there}; needs one port, or several with forces of one unit")
         return self
 
     @model_validator(mode="after")
