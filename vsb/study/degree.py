@@ -21,6 +21,8 @@ AT_POINTS = 3.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
 TURNS = 5.0
 """The same of a port that surges or pitches with the buoy: the shell is a spring between water and ballast [-]."""
+SHAPES = 2.0
+"""The same of another shape than the sphere: some of its wall is flatter [-]."""
 MARGIN = 2.0
 """Over the change that is expected, 0.3 to 2.5 times of which was found of stiff spheres [-]."""
 SOFT = 8.0
@@ -71,7 +73,8 @@ def degree_needed(study: AnyBuoy) -> int:
     """
     stiffness, port = wall_stiffness(study, 2), study.pto.port
     within, turns = _any(port, _within_shell), _any(port, _turns)
-    factor = MARGIN * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
+    flatter = SHAPES if study.device.shape is not None else 1.0
+    factor = MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
     enough = study.modes.tolerance / factor
     least = AT_POINTS * bending_degree(study) if _any(port, _between_points) else 0.0
     return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])
