@@ -244,10 +244,6 @@ def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float]
 
     Neither mass nor draft may stay behind: the answer would be of another buoy.
     """
-    if study.device.shape is not None:
-        raise ConfigError(
-            f"{source}: study: received {campaign.study} with device.shape; a campaign needs a spherical buoy"
-        )
     check_no_direction(campaign.climate, source)
     varied = {*campaign.vary.keys}
     stays = [key for key in floats_by if key == "mass" or SCALE in varied]

@@ -125,10 +125,10 @@ def _coefficients(study: AnyStudy) -> tuple[str, ...]:
 
 
 def _shape(study: AnyStudy) -> str:
-    """All that coefficients depend on: of the undeformed sphere neither its material nor its clamps."""
+    """All that coefficients depend on: of an undeformed shell neither its material nor its clamps."""
     if isinstance(study, BodyStudy):
         return canonical([study.body, study.dofs, study.hydro])
-    device = study.device if study.rests_deformed else (study.device.radius, study.device.mass)
+    device = study.device if study.rests_deformed else (study.device.radius, study.device.mass, study.device.shape)
     degree = study.modes.max_degree if study.flexible else None
     shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
     return canonical([device, shell, study.water, study.hydro, list(study.orders)])
