@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from motion.test_wetted import basis_of
 from scipy.integrate import quad
 from scipy.special import j0
 
 from vsb.engine.motion.froude_krylov import dynamic_head, elevation_at, incident, moment, wave_force
 from vsb.engine.motion.wetted import WetShell
+from vsb.engine.shell.meridian import capsule
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.waves.sampling import sampled
 from vsb.engine.waves.seas import NO_WAVES, Sea
@@ -82,11 +84,25 @@ def test_finite_depth_profile_and_deep_water_limit(full):
 @pytest.mark.parametrize("time", [0.4])
 def test_quadrature_has_converged(full, time):
     q = deformed(full)
-    node, weight = np.polynomial.legendre.leggauss(80)
     waves = swell(0.4)
-    assert force(full, 0.2, q, waves, time) == pytest.approx(
-        force(full, 0.2, q, waves, time, node=node, weight=weight), abs=1e-8
-    )
+    assert force(full, 0.2, q, waves, time) == pytest.approx(force(full, 0.2, q, waves, time, **exact(80)), abs=1e-8)
+
+
+def exact(points):
+    """A rule for all intervals, in place of one as fine as an interval needs."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    return {"counts": np.array([points]), "nodes": nodes[None], "weights": weights[None]}
+
+
+@pytest.mark.parametrize("height", [-0.9, 0.0, 0.5, 1.1])
+@pytest.mark.parametrize("time", [0.0, 0.7, 1.9])
+def test_short_intervals_need_few_points(height, time):
+    """Of a capsule, whose series has 96 terms, between still water and a wave: equal to the exact rule."""
+    basis = basis_of(capsule(1.0, 1.0))
+    q = np.concatenate([[0.05], 0.03 * np.cos(np.arange(1.0, 7.0))])
+    one, shape = force(basis, height, q, swell(0.3), time), WetShell(basis, height).shape
+    assert len(shape.counts) > 3
+    assert one == pytest.approx(force(basis, height, q, swell(0.3), time, **exact(int(shape.counts[-1]))), abs=1e-12)
 
 
 @pytest.mark.parametrize(("depth", "radius"), [(np.inf, 2.0), (20.0, 2.0), (1.5, 1.3)])

@@ -129,6 +129,24 @@ def test_campaign_member_equals_the_year_of_its_study(folder, swept):
     np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-7)
 
 
+@pytest.mark.parametrize("rest", ["undeformed", "equilibrium"])
+def test_member_of_another_shape_equals_the_year_of_its_study(folder, tmp_path, rest):
+    """A capsule under pressure, of two lengths."""
+    device = {
+        "radius": 1.5, "shape": {"capsule": {"length": 1.0}}, "thickness": 0.03, "young_modulus": 5e7,
+        "poisson_ratio": 0.3, "density": 1100.0, "internal_pressure": 3e4,
+    }  # fmt: skip
+    more = {"device": device, "modes": {"degree": 4}, "reference_shape": rest, "hydro": {"omega_max": 9.0}}
+    plan = planned(folder, {"device.shape.capsule.length": [1.0, 1.5]}, f"capsule_{rest}", **more)
+    found = computed(plan)
+    for member in plan.members:
+        apart = year_apart(plan, member.study, str(tmp_path / "apart"))
+        at = found.sel(length=member.study.device.shape.capsule.length)
+        for name in ("annual_mean_power", "capture_width"):
+            np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-5)
+
+
 def test_scatter_figure_shows_the_share_of_hours_of_each_bin(swept):
     plan, found = swept
     ax = Campaign(plan.folder).plot.scatter()

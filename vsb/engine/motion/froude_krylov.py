@@ -30,8 +30,10 @@ from vsb.engine.motion.wetted import (
     add_force,
     chebyshev_table,
     meridian_series,
+    rule,
     value,
     values,
+    values_on_grid,
     wet_intervals,
 )
 from vsb.engine.waves.dispersion import wavenumber
@@ -166,7 +168,7 @@ def _submergence(series: FloatArray, waves: Incident, now: Moment, c: float) -> 
 def _edges(shape: Shape, series: FloatArray, waves: Incident, now: Moment) -> FloatArray:
     """Points in c, ascending from -1 to 1, where the shell meets still water or the wave."""
     still, grid = wet_intervals(shape, series), shape.grid
-    count, at = len(grid), values(series[:2], shape.on_grid)
+    count, at = len(grid), values_on_grid(shape, series)[:2]
     edges = np.empty(len(still) + count + 1)
     assign(edges[: len(still)], still)
     edges[len(still)], edges[len(still) + 1] = -1.0, 1.0
@@ -229,7 +231,9 @@ def wave_force(shape: Shape, q: FloatArray, waves: Incident, time: float, out: F
         half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
         if half < 1e-14 or _submergence(series, waves, now, middle) > 0:
             continue
-        c = middle + half * shape.node
+        i = rule(shape, edges[k], edges[k + 1])
+        n = shape.counts[i]
+        c, weight = middle + half * shape.nodes[i, :n], shape.weights[i, :n]
         table = chebyshev_table(c, series.shape[1])
         meridian = values(series, table)
         x, z = meridian[0], meridian[1]
@@ -240,7 +244,7 @@ def wave_force(shape: Shape, q: FloatArray, waves: Incident, time: float, out: F
             pressure = -z
             for i in range(len(z)):
                 pressure[i] += elevation_at(waves, now, x2[i])
-        add_force(shape, table, -2 * np.pi * half * shape.weight * x * pressure, meridian, out)
+        add_force(shape, table, -2 * np.pi * half * weight * x * pressure, meridian, out)
 
 
 @njit(cache=True)

@@ -8,12 +8,15 @@ integrands, and Gauss-Legendre quadrature on each wet interval is exact:
 with the vertical shape v_j and the horizontal shape s h_j. All are kept as Chebyshev series; of the meridian at rest,
 x = sum a_k sin k phi and z = sum b_k cos k phi, these are X = sum a_k U_{k-1}(c), z = sum b_k T_k(c),
 z' = sum k b_k U_{k-1}(c) and T = sum k a_k T_k(c). Sums over points come before those over shapes, so that every loop
-runs along one of the two. `vsb.engine.shell.deformed.DeformedShell` computes the same without compilation.
+runs along one of the two. A meridian at rest whose curvature jumps has far more terms than the shapes: its part of z is
+tabulated where the sign is looked up, and a wet interval has as many points as its length in phi needs.
+`vsb.engine.shell.deformed.DeformedShell` computes the same without compilation.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +25,17 @@ from numpy.polynomial import chebyshev
 from vsb.engine.shell.meridian import ClosedMeridian, RestMeridian
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.shell import curve
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.compiled import njit
 
 REORDERED = {"reassoc", "contract", "nsz"}
 """What the compiler may do to sums: add in any order, fuse; never assume that there are no NaN."""
 
 
+RULES = (24, 32, 48, 64, 96, 128, 192)
+"""Points of rules for wet intervals, where the exact one has more."""
+SPARE_POINTS = 16
+"""What a rule has beyond a quarter of the phase of its integrand: then it is off by round-off alone."""
 ARC_TERMS = 96
 """Terms that stand for a meridian whose curvature jumps: they follow it to 1e-5 of its radius, its volume to 1e-7."""
 
@@ -38,11 +45,13 @@ class Shape(NamedTuple):
 
     radius: float
     at_rest: FloatArray  # of the undeformed meridian (4, order) [m]
-    series: FloatArray  # of the shapes, X: h_j, z: v_j (dof, 4, order)
-    node: FloatArray  # Gauss-Legendre on [-1, 1] (point,)
-    weight: FloatArray
+    series: FloatArray  # of the shapes, X: h_j, z: v_j (dof, 4, few)
+    counts: IntArray  # points of rules of Gauss and Legendre on [-1, 1], ascending; the last is exact (rule,)
+    nodes: FloatArray  # (rule, point)
+    weights: FloatArray
     grid: FloatArray  # where the sign of z is looked up, c ascending from -1 to 1 (sample,)
-    on_grid: FloatArray  # Chebyshev polynomials there (order, sample)
+    on_grid: FloatArray  # Chebyshev polynomials there (few, sample)
+    rest_on_grid: FloatArray  # X, z and z' of the undeformed meridian there (3, sample)
 
 
 @njit(cache=True)
@@ -51,7 +60,7 @@ def meridian_series(shape: Shape, q: FloatArray) -> FloatArray:
     out = shape.at_rest.copy()
     for j in range(len(q)):
         for i in range(4):
-            for k in range(out.shape[1]):
+            for k in range(shape.series.shape[2]):
                 out[i, k] += q[j] * shape.series[j, i, k]
     return out
 
@@ -76,6 +85,32 @@ def values(series: FloatArray, table: FloatArray) -> FloatArray:
             for j in range(table.shape[1]):
                 out[i, j] += series[i, k] * table[k, j]
     return out
+
+
+@njit(cache=True, fastmath=REORDERED)
+def values_on_grid(shape: Shape, series: FloatArray) -> FloatArray:
+    """Return X, z and z' of a deformed shell where the sign of z is looked up, shape (3, sample)."""
+    out = shape.rest_on_grid.copy()
+    for i in range(3):
+        for k in range(len(shape.on_grid)):
+            change = series[i, k] - shape.at_rest[i, k]
+            for j in range(out.shape[1]):
+                out[i, j] += change * shape.on_grid[k, j]
+    return out
+
+
+@njit(cache=True)
+def rule(shape: Shape, low: float, high: float) -> int:
+    """Return which rule integrates over an interval of c to round-off.
+
+    In phi the integrand is a trigonometric polynomial whose order is twice the points of the exact rule. Over an
+    interval Gauss' rule converges faster than exponentially once it has a point for every four radians of the phase.
+    """
+    phase = 2 * shape.counts[-1] * (np.arccos(max(low, -1.0)) - np.arccos(min(high, 1.0)))
+    for i in range(len(shape.counts) - 1):
+        if shape.counts[i] >= phase / 4 + SPARE_POINTS:
+            return i
+    return len(shape.counts) - 1
 
 
 @njit(cache=True)
@@ -137,7 +172,7 @@ def wet_intervals(shape: Shape, series: FloatArray) -> FloatArray:
     there, that extremum is looked at.
     """
     z, slope = series[1], series[2]
-    count, at = len(shape.grid), values(series[1:3], shape.on_grid)
+    count, at = len(shape.grid), values_on_grid(shape, series)[1:]
     edges = np.empty(2 * count + 2)
     found = 0
     if at[0, 0] < 0:
@@ -162,7 +197,7 @@ def wet_intervals(shape: Shape, series: FloatArray) -> FloatArray:
 def add_force(shape: Shape, table: FloatArray, pressure: FloatArray, meridian: FloatArray, out: FloatArray) -> None:
     """Add sum_i pressure_i (s^2 z' h_j + T v_j), sums over points first; pressure holds the weights."""
     c = table[1]
-    for k in range(len(table)):
+    for k in range(shape.series.shape[2]):
         level, upright = 0.0, 0.0
         for i in range(len(c)):
             weighed = pressure[i] * table[k, i]
@@ -192,11 +227,13 @@ def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArr
     edges = wet_intervals(shape, series)
     for k in range(0, len(edges), 2):
         half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
-        c = middle + half * shape.node
+        i = rule(shape, edges[k], edges[k + 1])
+        n = shape.counts[i]
+        c, weight = middle + half * shape.nodes[i, :n], shape.weights[i, :n]
         table = chebyshev_table(c, series.shape[1])
         meridian = values(series, table)
         x, z, slope = meridian[0], meridian[1], meridian[2]
-        flux = -2 * np.pi * half * shape.weight * x
+        flux = -2 * np.pi * half * weight * x
         moment -= 0.5 * np.sum(flux * (1 - c * c) * x * z * slope)
         add_force(shape, table, flux, meridian, uniform)
         add_force(shape, table, -flux * z, meridian, static)
@@ -224,12 +261,16 @@ class WetShell:
         """Tables of the compiled loops; as many points as integrate their polynomials exactly."""
         shell, rest = self.basis.shell, _series(self.basis.shell.meridian)
         highest = self.basis.highest_degree + len(rest[1]) - 2
-        node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
+        counts = np.array([*takewhile(lambda n: n < 2 * highest + 3, RULES), 2 * highest + 3])
+        nodes, weights = np.zeros((2, len(counts), counts[-1]))
+        for i, n in enumerate(counts):
+            nodes[i, :n], weights[i, :n] = np.polynomial.legendre.leggauss(n)
         grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
-        at_rest = _at_rest(rest, highest + 2)
+        at_rest, series = _at_rest(rest, highest + 2), _of_shapes(self.basis)
         at_rest[1, 0] += self.centre_height
-        on_grid = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
-        return Shape(shell.radius, at_rest, _of_shapes(self.basis, highest + 2), node, weight, grid, on_grid)
+        table = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
+        on_grid = table[: series.shape[2]].copy()
+        return Shape(shell.radius, at_rest, series, counts, nodes, weights, grid, on_grid, at_rest[:3] @ table)
 
     def forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return `wet_force` along a motion.
@@ -284,16 +325,14 @@ def _second_kind(degree: int, terms: int) -> FloatArray:
     return out
 
 
-def _of_shapes(basis: ModeBasis, terms: int) -> FloatArray:
+def _of_shapes(basis: ModeBasis) -> FloatArray:
     """Chebyshev coefficients of h_j, v_j, dv_j/dc and c h_j - s^2 dh_j/dc of each shape, (dof, 4, term)."""
     order = basis.highest_degree + 2
     c = chebyshev.chebpts1(order)
     single = [_displacement(c, n, 1.0, 0.0) for n in range(order - 1)]
     single += [_displacement(c, n, 0.0, 1.0) for n in range(1, order - 1)]
     to_series = np.linalg.inv(chebyshev.chebvander(c, order - 1)).T
-    found = np.zeros((len(basis.labels), 4, terms))
-    found[:, :, :order] = np.einsum("id,dpk->ipk", basis.displacements, np.array(single)) @ to_series
-    return found
+    return np.asarray(np.einsum("id,dpk->ipk", basis.displacements, np.array(single)) @ to_series)
 
 
 def _displacement(c: FloatArray, n: int, radial: float, meridional: float) -> list[FloatArray]:
