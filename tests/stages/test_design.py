@@ -8,6 +8,7 @@ import runpy
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from vsb.cli import main
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.evaluation import DesignModel
 from vsb.design.problem import POWER, excesses, limit_parts
-from vsb.design.searched import Outcome
+from vsb.design.searched import Outcome, finer_of, problem_of
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.jobs import rules
 from vsb.pipeline.tasks import products, tasks
@@ -476,6 +477,22 @@ def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
     assert [one.search.base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
     rigid = [found_by(one)[COMPETITOR][0] for one in (plan, heave)]
     assert rigid[0].quantities[POWER] == pytest.approx(rigid[1].quantities[POWER], rel=1e-12)
+
+
+def test_a_port_at_a_ring_keeps_no_buoy_away_from_limits_at_rest(folder):
+    """What loads a ring in waves does not load the shell at rest: its beam is as well known as with another port."""
+    belt = {"port": {"strain": "hoop", "belt": [60, 120]}}
+    margins = []
+    for pto, competitor in ((belt, {"port": "heave"}), ({}, {})):
+        study = shell_with(folder, "loaded", pto={"tuning": "one", **pto})
+        free, limits = {"device.mass": [9e3, 2.2e4]}, {"beam": 4.2}
+        plan = planned(folder, "loaded_at", free, study=study, competitor=competitor, limits=limits)
+        seas = read_climate(plan.climate, plan.loaded.climate_path)
+        of = cache(partial(problem_of, plan.flexible, seas))
+        known = finer_of(plan.flexible, of, of(3).at(np.array([0.5])), 3)
+        margins.append(known.margins[of(3).limit_names.index("beam")])
+    assert margins[0] == pytest.approx(margins[1], rel=1e-6)
+    assert margins[0] > 0
 
 
 def test_the_design_optimised_of_several_is_named(folder):

@@ -29,6 +29,7 @@ from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.design.violation import led_at_rest, within_limits
 from vsb.errors import ConvergenceError
 from vsb.models.further_modes import by_all_modes
+from vsb.study.design import OF_WAVES, limit_of
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -322,7 +323,9 @@ def finer(
         return Finer(None, np.full_like(point.excess, np.nan), tuple(points))
     reach, least = expected(point, last)
     changes = [one.evaluation[POWER].value / own.evaluation[POWER].value - 1 for one in points]
-    margins = by_modes([one.excess - own.excess for one in points], reach)
+    grown = [one.excess - own.excess for one in points]
+    waves = [limit_of(part) in OF_WAVES for part in problem_of(degrees[0]).limit_names]
+    margins = np.where(waves, by_modes(grown, reach), by_modes(grown))  # no port or clamp loads a shell at rest
     return Finer(left_out(changes, reach, least), margins, tuple(points))
 
 
@@ -374,7 +377,9 @@ def within_margins(
         found, searches = optimised(replace(problem, margins=factors), found.point, seen), searches + 1
         known = finer_at(found.point)
     words = f"with more shell modes{' or as built' if spread else ''} the limit of {limit} is exceeded by "
-    return replace(found, accepted=False, message=f"{words}{100 * over:.2g} %" if over > 0 else found.message), known
+    kept = f"kept away from its limits by what more shell modes change{' and as built' if spread else ''}: "
+    message = f"{words}{100 * over:.2g} %" if over > 0 else f"{kept}{found.message}"
+    return replace(found, accepted=False, message=message), known
 
 
 def converged(
