@@ -68,10 +68,8 @@ def answer(facts: Facts) -> Answer:
 
 def _at(facts: Facts, name: str) -> str:
     """Where the take-off of a buoy acts, if rigid buoys have another; in words."""
-    ports = [facts["take_offs"][one]["port"] for one in (FLEXIBLE, COMPETITOR)]
-    if ports[0] == ports[1]:
-        return ""
-    return f" ({port_words(facts['take_offs'][name]['port'])})"
+    words = {one: port_words(facts["take_offs"][one]["port"]) for one in (FLEXIBLE, COMPETITOR)}
+    return "" if words[FLEXIBLE] == words[COMPETITOR] else f" ({words[name]})"
 
 
 def port_words(port: Any) -> str:

@@ -74,7 +74,9 @@ def degree_needed(study: AnyBuoy) -> int:
     stiffness, port = wall_stiffness(study, 2), study.pto.port
     within, turns = _any(port, _within_shell), _any(port, _turns)
     flatter = SHAPES if study.device.shape is not None else 1.0
-    factor = MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
+    factor = (
+        MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
+    )
     enough = study.modes.tolerance / factor
     least = AT_POINTS * bending_degree(study) if _any(port, _between_points) else 0.0
     return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])
