@@ -50,7 +50,7 @@ def is_passive(model):
     scale = np.linalg.norm(model.input_matrix, axis=0)
     g = model.input_matrix / np.where(scale > 0, scale, 1.0)
     found = least_damping(StateSpace(model.state_matrix, g, g.T))
-    return found.value > 0.5 * found.bound  # what there is is round-off of the proof
+    return found.value > 0.75 * found.bound  # less than three times the level of the proof, 1e-8 of the largest entry
 
 
 @settings(max_examples=20, deadline=None)
