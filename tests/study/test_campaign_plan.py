@@ -133,6 +133,24 @@ def test_draft_or_half_immersion_follows_the_radius(planned, tmp_path):
     assert [one.study.draft for one in both.members] == pytest.approx([1.5] * 4, rel=1e-9)
 
 
+def test_draft_or_half_immersion_follows_the_shape(planned, tmp_path):
+    lengths, raw = {"device.shape.capsule.length": [0.5, 1.0]}, yaml.safe_load(SEED.read_text())
+    raw["device"] |= {"shape": {"capsule": {"length": 0.5}}}
+    raw["modes"] = {"degree": 4}
+    (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(ConfigError, match=r"device.mass 17170 as given in .*other shapes float otherwise"):
+        planned(lengths)
+    planned(lengths | {"device.mass": [17170.0]})
+    del raw["device"]["mass"]
+    (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+    radius = raw["device"]["radius"]
+    for one, length in zip(planned(lengths).members, [0.5, 1.0], strict=True):
+        assert one.study.draft == pytest.approx(radius + length / 2, rel=1e-9)
+    raw["device"]["draft"] = 1.8
+    (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+    assert [one.study.draft for one in planned(lengths).members] == pytest.approx([1.8, 1.8], rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("vary", "study"),
     [

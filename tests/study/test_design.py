@@ -200,7 +200,7 @@ def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
 
 
 def test_the_height_of_a_spheroid_may_be_varied_by_rigid_buoys_too(folder):
-    raw = {**yaml.safe_load(SEED.read_text()), "device": SPHEROID, "modes": {"degree": 4}}
+    raw = {**yaml.safe_load(SEED.read_text()), "device": {**SPHEROID}, "modes": {"degree": 4}}
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     variables = {"device.shape.spheroid.height": [2.0, 5.0], "device.thickness": [0.05, 0.1]}
     limits = {"load_factor": 2.0, "beam": 4.8}
@@ -209,6 +209,12 @@ def test_the_height_of_a_spheroid_may_be_varied_by_rigid_buoys_too(folder):
     assert loaded.notes == []
     with pytest.raises(ConfigError, match=r"seed.yaml has no device.shape.capsule.length"):
         load_design(written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}))
+    del raw["device"]["mass"]  # half immersed: a draft of one shape
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(
+        ConfigError, match=r"device.shape.spheroid.height: received with the draft .* needs device.mass"
+    ):
+        load_design(written(folder, optimise="VSWEC", variables=variables, limits=limits))
 
 
 def test_a_clamp_and_structural_damping_may_be_varied(folder):

@@ -240,19 +240,26 @@ def _of_a_body(campaign: Campaign, study: BodyStudy, source: str) -> Campaign:
 
 
 def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float], source: str) -> None:
-    """Check that a year can judge a buoy, and that its draft follows when the radius varies.
+    """Check that a year can judge a buoy, and that its draft follows when its radius or shape varies.
 
     Neither mass nor draft may stay behind: the answer would be of another buoy.
     """
     check_no_direction(campaign.climate, source)
     varied = {*campaign.vary.keys}
     stays = [key for key in floats_by if key == "mass" or SCALE in varied]
-    if "device.radius" in varied and stays and not {"device.mass", "device.draft"} & varied:
+    sizes = [key for key in campaign.vary.keys if sizes_hull(key)]
+    if sizes and stays and not {"device.mass", "device.draft"} & varied:
+        others = "radii" if sizes[0] == "device.radius" else "shapes"
         raise ConfigError(
-            f"{source}: vary: device.radius: received with device.{stays[0]} {floats_by[stays[0]]:g} as given in "
-            f"{campaign.study}, with which other radii float otherwise; needs device.{stays[0]} varied too, a study "
+            f"{source}: vary: {sizes[0]}: received with device.{stays[0]} {floats_by[stays[0]]:g} as given in "
+            f"{campaign.study}, with which other {others} float otherwise; needs device.{stays[0]} varied too, a study "
             "that gives neither mass nor draft, or scale alone"
         )
+
+
+def sizes_hull(key: str) -> bool:
+    """Return whether a key is of the hull's size or shape, with which its volume changes."""
+    return key in ("device.radius", "device.shape") or key.startswith("device.shape.")
 
 
 def _check_matrix(campaign: Campaign, port: object, source: str) -> None:

@@ -28,6 +28,7 @@ from vsb.study.campaign import (
     any_study_at,
     leading_tuning,
     sections,
+    sizes_hull,
     where_of,
 )
 from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, plan_for
@@ -150,8 +151,9 @@ class CampaignPlan(ResultsFolder):
     @cached_property
     def base(self) -> dict[str, Any]:
         """Sections of its study; where its draft may vary, with what decides it in the file."""
-        found, keys = sections(self.loaded.base), {*self.loaded.campaign.vary.keys}
-        if not self.loaded.base.buoy or not {"device.radius", "device.draft", "water.density"} & keys:
+        found, keys = sections(self.loaded.base), self.loaded.campaign.vary.keys
+        floats = any(sizes_hull(key) or key in ("device.draft", "water.density") for key in keys)
+        if not self.loaded.base.buoy or not floats:
             return found
         others = {key: value for key, value in found["device"].items() if key != "mass"}
         return {**found, "device": others | self.loaded.floats_by}

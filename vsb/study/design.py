@@ -19,7 +19,7 @@ from vsb.keys.meanings import KEYS, Key
 from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section, at_key
 from vsb.keys.reading import Located, nearest, read_yaml, validated
 from vsb.keys.schema import range_at, schema_of
-from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, study_at
+from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, sizes_hull, study_at
 from vsb.study.feasible import Ranges, Unmet
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
@@ -671,10 +671,11 @@ def _check_variables(problem: Optimisation, study: Study, given: object, mistake
         lowest = keys[lower].low if lower in keys else _value(study, lower)
         if highest is not None and lowest is not None and highest >= lowest:
             mistakes.add(("variables", key), f"received bounds at which {upper} may reach {lower}; needs smaller ones")
-    if "device.radius" in keys and "device.mass" not in keys and "mass" not in device:
+    sizes = [key for key in keys if sizes_hull(key)]
+    if sizes and "device.mass" not in keys and "mass" not in device:
         mistakes.add(
-            ("variables", "device.radius"),
-            f"received with the draft that {problem.study} asks for, which is of one radius; needs device.mass among "
+            ("variables", sizes[0]),
+            f"received with the draft that {problem.study} asks for, which is of one size; needs device.mass among "
             "the variables, or a mass in the study",
         )
     if problem.limits.mass and "device.mass" not in keys and study.device.mass > problem.limits.mass:
