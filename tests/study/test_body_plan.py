@@ -2,10 +2,11 @@
 
 import pytest
 
+from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
 from vsb.study.body import LocatedBody, located
 from vsb.study.plan import BodyPlan
-from vsb.study.plans import planned
+from vsb.study.plans import plan_of, planned
 
 RAW = {
     "study": "raft",
@@ -61,3 +62,8 @@ def test_mesh_is_solved_with_a_green_function_table(tmp_path):
     assert read.root == "out"
     assert [name.endswith("raft.nc") for name in read.inputs] == [True]
     assert read.inputs == list(read.sources.values())
+
+
+def test_a_hull_in_place_of_a_study_is_told_how_to_get_one():
+    with pytest.raises(ConfigError, match=r"cad/hull.STL: received a hull.* vsb init my.yaml --body .* mesh: hull.STL"):
+        plan_of("cad/hull.STL")

@@ -1,8 +1,10 @@
 """The plan of any file: of a study of a buoy or of a body, of a campaign, or of a design problem."""
 
 import os
+from pathlib import PurePath
 from typing import Any
 
+from vsb.errors import ConfigError
 from vsb.keys.reading import read_yaml
 from vsb.study.body import is_body, located
 from vsb.study.campaign import is_campaign, read
@@ -12,6 +14,9 @@ from vsb.study.design import read as read_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import parse
+
+MESHES = {".stl", ".obj", ".ply", ".gdf", ".vtk", ".vtp", ".vtu", ".msh", ".step", ".stp", ".igs", ".iges"}
+"""Endings of files that hold a hull, not a study."""
 
 Plan = StudyPlan | BodyPlan | CampaignPlan | DesignPlan
 
@@ -27,6 +32,11 @@ def plan_of(path: str, root: str = "results") -> Plan:
 
     `root` is the folder of all results.
     """
+    if PurePath(path).suffix.lower() in MESHES:
+        raise ConfigError(
+            f"{path}: received a hull, needs a study of it: vsb init my.yaml --body writes one, in which mesh: "
+            f"{PurePath(path).name} names the hull"
+        )
     return _plan(read_yaml(path, "a study file such as config/buoy.yaml"), path, root)
 
 
