@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -17,7 +18,8 @@ from vsb.pipeline.schedule import longest_chains
 from vsb.pipeline.tasks import Task
 from vsb.stages.stage import function_of
 
-CAN_FORK = "fork" in multiprocessing.get_all_start_methods()
+CAN_FORK = sys.platform.startswith("linux")
+"""Whether processes may be forked: the system's own libraries on macOS do not stand it, Windows has no forks."""
 _work: Callable[[Task], None]
 """What a forked process does with a task."""
 
