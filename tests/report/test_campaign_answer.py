@@ -88,6 +88,12 @@ def test_points_that_buckle_are_not_counted_as_paying():
     assert of_points(campaign(gains=np.full((2, 2), 3.0)), "FSB", "one") == expected.format("All 4 points are", "none")
 
 
+def test_points_say_under_which_damper_where_control_is_shown_too():
+    """Under control flexible designs may gain where under dampers they do not."""
+    ds = campaign().sel(tuning=["one", "one"]).assign_coords(tuning=["one", "causal"])
+    assert "; each design at its optimal damping for the year, a flexible design absorbs" in of_points(ds, "FSB", "one")
+
+
 def three(**changes):
     """The campaign with two flexible designs, the second with gains of its own."""
     ds = campaign().sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=["FSB", "VSWEC", "other"])

@@ -11,12 +11,14 @@ import psutil
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
+from vsb.engine.waves.scatter import read_scatter
+from vsb.errors import ConfigError
 from vsb.study.blocks import BlockSpec
-from vsb.study.campaign import CAUSAL
-from vsb.study.campaign_plan import CAUSAL_YEAR_SECONDS, CampaignPlan, Member
+from vsb.study.campaign import CAUSAL, Scatter
+from vsb.study.campaign_plan import CAUSAL_YEAR_SECONDS, MEMBER_SECONDS, CampaignPlan, Member
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
-from vsb.study.study import BaseStudy
+from vsb.study.study import BaseStudy, Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
@@ -30,8 +32,11 @@ START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
 FIGURE_SECONDS = 0.2
 """Of a file of a figure; each has two."""
-LADDER_SECONDS, CAUSAL_SECONDS = 0.5, 0.5
-"""Of the control levels, and how many more of a design in an irregular sea, whose control is causal too."""
+LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.5, 0.5, (5.0, 25.0)
+"""Of the control levels, and how many more of a design in an irregular sea, whose control is causal too; of a rigid
+and of a flexible one at several ports."""
+BINS, ONCE = 90, 0.1
+"""Bins of Hs and Te of the years in which causal control was timed, and the part of that time that any year takes."""
 COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (1.0, 0.2)
 """Of the tables and of the page, each also for every run in time."""
 SPECTRAL_SECONDS = 0.4
@@ -115,7 +120,9 @@ def body_seconds(file: BodyFile, matrices: float) -> float:
 def ladder_seconds(study: BaseStudy) -> float:
     """Return the CPU time of the control levels of a study [s]."""
     irregular = sum(isinstance(wave, IrregularSea) for wave in study.waves)
-    return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
+    if not study.pto.several or not isinstance(study, Study):
+        return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
+    return LADDER_SECONDS + irregular * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
 
 
 def run_seconds(study: BaseStudy, wave: Wave) -> float:
@@ -130,7 +137,20 @@ def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
     resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
     shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
     water = sum(block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
-    return plan.member_seconds * len(some) + REST_SECONDS * len(resting) + water
+    each = MEMBER_SECONDS + (plan.member_seconds - MEMBER_SECONDS) * _part_of_bins(plan)
+    return each * len(some) + REST_SECONDS * len(resting) + water
+
+
+def _part_of_bins(plan: CampaignPlan) -> float:
+    """How long control of a year takes over that of one with `BINS` bins: known of few cells of a scatter table."""
+    climate = plan.loaded.campaign.climate
+    if plan.loaded.constrained or not isinstance(climate, Scatter):
+        return 1.0
+    try:
+        cells = len(read_scatter(plan.loaded.climate_path).hours)
+    except ConfigError:  # of a file that is gone, or other than it was: said where it is read for its seas
+        return 1.0
+    return ONCE + (1 - ONCE) * min(1.0, cells / BINS)
 
 
 def verification_seconds(spec: VerificationSpec) -> float:

@@ -148,7 +148,9 @@ def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
     both = "Both" if count == 2 else f"All {count}"  # a sentence on points has several
     which = f"{both} points are" if stable == count else f"{stable} of {count} points {'is' if stable == 1 else 'are'}"
     gaining = int((pays & carries).sum())
-    return f"{which} stable against buckling; a flexible design absorbs more at {gaining or 'none'} of these."
+    controlled = {"causal", "constrained"} & {*map(str, ds.tuning.values)} - {tuning}  # where it may gain though
+    tuned = f"{TUNED[tuning]}, " if controlled else ""
+    return f"{which} stable against buckling; {tuned}a flexible design absorbs more at {gaining or 'none'} of these."
 
 
 def of_shells(ds: xr.Dataset) -> bool:

@@ -59,7 +59,8 @@ BUCKLING = ". Black line: the shell buckles under its static load"
 MAPPED = "; hatched: the interval of the gain includes zero; grey: not viable"
 MOST_ROWS = 24
 NO_SLIDER = "No slider of the damping and no curve over it: the take-off has a damper matrix."
-STILL = "No animation: no design is viable at the point of the answer, or its take-off is not one damper."
+STILL = "No animation: no design is viable at the point of the answer."
+STILL_DAMPERS = "No animation: the take-off is not one damper."
 STILL_BODY = "No animation: the page of a study of this body has one, if its mesh is known."
 
 
@@ -89,7 +90,7 @@ def render(report: CampaignReport) -> str:
         sketches=report.sketches,
         kind="year",
         animated=in_motion(report.animated),
-        still="" if report.animated else STILL if of_shells(ds) else STILL_BODY,
+        still="" if report.animated else still(ds),
         interactive=as_script(report.interactive) if report.interactive else "",
         no_slider=NO_SLIDER if "damper_matrix" in ds else "",
         statements=statements(ds, reference, tuning),
@@ -135,6 +136,13 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
     if reference is None and not is_mapped(ds):
         found["sweep"] = f"Mean power of the year, {TUNED[tuning]}, by linear theory; {band}: interval."
     return found
+
+
+def still(ds: xr.Dataset) -> str:
+    """Return why a page has no animation."""
+    if not of_shells(ds):
+        return STILL_BODY
+    return STILL_DAMPERS if "damper_matrix" in ds else STILL
 
 
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:

@@ -9,7 +9,7 @@ from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.problem import POWER
 from vsb.engine.motion.damper_matrix import matrix_text
-from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, in_full, with_unit, worth
+from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, in_full, may_be_run, with_unit, worth
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import CONTROLLED, unit_of
@@ -66,9 +66,8 @@ def warnings(facts: Facts) -> list[str]:
     """Return what makes the answer doubtful."""
     found = [f"{note}." for note in facts["notes"]]
     if facts["verified"] is None:
-        found.append(
-            "All results are linear theory; its own error is not in the interval; verify in the file estimates it."
-        )
+        estimated = "; verify in the file estimates it" if may_be_run(facts) else ""
+        found.append(f"All results are linear theory; its own error is not in the interval{estimated}.")
     found += [f"Not in the interval: {name}." for name in facts["unknown"]]
     for name in (FLEXIBLE, COMPETITOR):
         one = facts["found"][name]
