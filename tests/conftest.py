@@ -17,6 +17,7 @@ from hypothesis import settings
 from scipy.integrate import solve_ivp
 
 import vsb
+from vsb.api.results import Results
 from vsb.cli import main
 from vsb.engine.hydro import database
 from vsb.engine.hydro.panels import rings as bem
@@ -31,6 +32,7 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
 from vsb.keys.quantities import canonical
 from vsb.models.rest import reference_shell, study_basis
+from vsb.stages.make import make
 from vsb.stages.panels import mean_mesh
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
@@ -192,6 +194,12 @@ SMALL = yaml.safe_load(SEED.read_text()) | {
 """A study whose results are there in seconds."""
 SMALL["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
 SMALL_PLAN = StudyPlan(config.parse(SMALL))
+
+
+def tables_of(plan):
+    """Results of a study whose tables alone are made: no figures and no page."""
+    make(plan, [f"{plan.folder}/comparison.csv", *(f"{plan.folder}/{name}" for name in ("ladder.csv", "ladder.json"))])
+    return Results(plan.study, plan.root)
 
 
 @pytest.fixture(scope="session")

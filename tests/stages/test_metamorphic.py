@@ -4,12 +4,14 @@ import re
 
 import pytest
 import yaml
+from conftest import tables_of
 from stages.test_body_invariance import barge
 
 import vsb
 from vsb.engine.hydro.database import save_database
 from vsb.stages.side_by_side import lines
 from vsb.study.body import load_body
+from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import parse
 from vsb.tools.words import power
 
@@ -43,7 +45,8 @@ def table(tmp_path_factory):
     folder = tmp_path_factory.mktemp("metamorphic")
 
     def found(name, **changes):
-        results = vsb.run(parse({**STUDY, "study": name, **changes}), folder)
+        study = parse({**STUDY, "study": name, **changes})
+        results = tables_of(StudyPlan(study, root=str(folder))) if changes else vsb.run(study, folder)
         table = results.comparison.set_index(["design", "wave"])
         table.attrs["results"] = results
         return table
@@ -153,7 +156,9 @@ def of_barge(tmp_path_factory):
     def found(name, **changes):
         path = folder / f"{name}.yaml"
         path.write_text(yaml.safe_dump({**BARGE, "study": name, **changes}))
-        return vsb.run(load_body(path), folder / "results").comparison.set_index(["design", "wave"])
+        located = load_body(path)
+        plan = BodyPlan(located.study, root=str(folder / "results"), files=located.files)
+        return tables_of(plan).comparison.set_index(["design", "wave"])
 
     return found
 
