@@ -11,6 +11,8 @@ from vsb.errors import VsbError
 from vsb.keys.quantities import id_in
 from vsb.tools.locks import take, wait
 
+PATIENCE = 5.0
+"""Time a lock is waited for without a word [s]."""
 LOCKS = ".locks"
 """Folder of the locks on what studies share, beside it."""
 
@@ -60,7 +62,7 @@ def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
 
 
 def _wait(handle: int, name: str) -> None:
-    """Take a lock; say so if it is another's first."""
-    if not take(handle):
-        print(f"vsb: waiting for another run that makes {name}", file=sys.stderr, flush=True)
+    """Take a lock; if it is another's for long, say so."""
+    if not wait(handle, PATIENCE):
+        print(f"vsb: waiting for another run or task that makes {name}", file=sys.stderr, flush=True)
         wait(handle)

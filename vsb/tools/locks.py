@@ -32,11 +32,12 @@ else:
         return True
 
 
-def wait(handle: int, seconds: float = float("inf")) -> None:
-    """Take the lock of an open file, or go on without it once so many seconds are over."""
+def wait(handle: int, seconds: float = float("inf")) -> bool:
+    """Take the lock of an open file, waiting so many seconds for it; return whether it is taken."""
     until = time.monotonic() + seconds
-    while not take(handle) and time.monotonic() < until:
+    while not (taken := take(handle)) and time.monotonic() < until:
         time.sleep(0.02)
+    return taken
 
 
 @contextmanager
