@@ -5,6 +5,7 @@ import xarray as xr
 
 from vsb.engine.motion.take_off import LAWS, Law
 from vsb.report.answer import (
+    at_force_statements,
     closing_line,
     damping_in_words,
     interval_text,
@@ -172,3 +173,16 @@ def test_words_of_a_law_may_name_keys_at_their_default(monkeypatch):
     """A canonical take-off leaves those out."""
     monkeypatch.setitem(LAWS, "coulomb", Law(words="{force_limit:g} {load_unit} {rate_unit} at {efficiency:g}"))
     assert damping_in_words({"law": "coulomb", "force_limit": 5.0}) == "With 5 N m/s at 1"
+
+
+def test_causal_control_of_a_given_force_is_part_of_the_answer():
+    """Gains over the rigid design with their intervals; without one, and without a common unit, powers or nothing."""
+    line = {"sea": "s", "force_rms": 2000.0, "power": 100.0, "gain_percent": 0.0, "low": 0.0, "high": 0.0}
+    other = line | {"design": "VSWEC", "power": 101.9, "gain_percent": 1.88, "low": 1.47, "high": 1.92}
+    lines, seas = [line | {"design": "FSB"}, other], {"s": "a sea"}
+    start = "In a sea, with causal control of 2000 N rms: VSWEC absorbs"
+    (found,) = at_force_statements(lines, "FSB", seas, "N")
+    assert found == f"{start} 1.9 % more than the rigid FSB (+1.5 to +1.9 %; 101.9 against 100 W)."
+    (alone,) = at_force_statements(lines[1:], None, seas, "N")
+    assert alone == f"{start} 101.9 W."
+    assert at_force_statements([line | {"design": "FSB", "force_rms": None}], "FSB", seas, "N") == []

@@ -134,7 +134,7 @@ def test_what_to_know_before_solving(folder):
         ({"variables": {"device.radius": 2}}, r"variables: device.radius: received 2, needs \[lowest, highest\] or"),
         ({"variables": {"device.radius": [1, 2, 3]}}, r"device.radius: received \[1, 2, 3\], needs \[lowest, highest\]"),
         ({"variables": {"device.radius": [True, 2]}}, "device.radius: received"),
-        ({"variables": {"device.poisson_ratio": [0.3, 0.6]}}, "needs bounds between -0.99 and 0.5"),
+        ({"variables": {"device.poisson_ratio": [0.3, 0.6]}}, "needs bounds above -0.99 and below 0.5"),
         ({"variables": {"device.thickness": [0, 0.1]}}, "needs bounds above 0"),
         ({"variables": {"pto.stiffness": {"log": [-1, 1]}}}, "needs bounds above 0 to be varied by the logarithm"),
         ({"variables": {"device.mass": [1, float("inf")]}}, "needs finite bounds"),
@@ -223,7 +223,7 @@ def test_a_clamp_and_structural_damping_may_be_varied(folder):
     assert [one.key for one in loaded.problem.variables] == ["device.damping.beta", "designs.VSWEC90.clamp"]
     with pytest.raises(ConfigError, match=r"variables.designs.VSWEC90.clamp: received a clamp that VSWEC, which is"):
         load_design(written(folder, variables=variables))
-    with pytest.raises(ConfigError, match=r"variables: designs.VSWEC90.clamp: .*needs bounds between 0 and 180"):
+    with pytest.raises(ConfigError, match=r"variables: designs.VSWEC90.clamp: .*needs bounds above 0 and below 180"):
         load_design(written(folder, optimise="VSWEC90", variables={"designs.VSWEC90.clamp": [0, 90]}))
     with pytest.raises(ConfigError, match=r"variables.device.material.mu: seed.yaml has no device.material.mu"):
         load_design(written(folder, variables={"device.material.mu": [1e5, 1e6]}))

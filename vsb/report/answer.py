@@ -226,6 +226,39 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
     return statements
 
 
+def at_force_statements(lines: Lines, reference: str | None, seas: dict[str, str], unit: str) -> list[str]:
+    """Return, for each irregular sea, what the designs absorb under causal control of one rms force, that of all.
+
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of `vsb.results.gains.AtForce`.
+    reference, seas
+        See `headline`.
+    unit : str
+        Of the rms force.
+    """
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        sea = [line for line in lines if line["sea"] == name and line["force_rms"] is not None]
+        base = next((line for line in sea if line["design"] == reference), None)
+        others = [line for line in sea if line is not base and line["gain_percent"] is not None]
+        parts = [f"{line['design']} absorbs {power(line['power'])}" for line in sea]
+        if base is not None and others:
+            parts = [f"{line['design']} absorbs {_under_control(line, base)}" for line in others]
+        if parts:
+            force = f"{plain(sea[0]['force_rms'])} {unit}"
+            statements.append(f"In {seas[name]}, with causal control of {force} rms: {'; '.join(parts)}.")
+    return statements
+
+
+def _under_control(line: dict[str, Any], base: dict[str, Any]) -> str:
+    """How a design stands against the reference under causal control, in words."""
+    (own, its), unit = watts([line["power"], base["power"]])
+    gain = against(line["gain_percent"], the_rigid(base["design"]), gain_decimals(line["low"], line["high"]))
+    return f"{gain} ({interval_text(line['low'], line['high'])}; {own} against {its} {unit})"
+
+
 AT_FORCE = (
     "design", "sea", "rms force [{}]", "causal control [W]", "gain [%]", "interval [%]", "damper of that force [W]",
     "gain [%]",

@@ -1,5 +1,6 @@
 """The self-contained HTML report of a study: the answer first, then the evidence, then what to doubt."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from vsb.report.answer import (
     NO_OPTIMUM,
     PARTS,
     Answer,
+    at_force_statements,
     at_force_table,
     damping_in_words,
     elsewhere_table,
@@ -371,6 +373,7 @@ def render(report: Report) -> str:
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
     heaving = pto.get("port") in (None, "heave") and not pto.get("stiffness")
+    controlled = report.at_force if math.isfinite(pto.get("control", {}).get("force_rms", math.inf)) else ()
     known = {"given": given, "compared": compared, "heaving": heaving}
     words = captions(_neglected(report), body=report.thing == "body", limit=limit, **known)
     return page(
@@ -393,6 +396,7 @@ def render(report: Report) -> str:
         tuned=[
             *([] if response is None else tuned_statements(tuned, report.rigid, report.seas, _aside(report))),
             *limited_statements(report.within_limits, report.reference, report.seas),
+            *at_force_statements(controlled, report.rigid, report.seas, superscripts(kind.load_unit)),
         ],
         seas=in_seas,
         neglected=_neglected(report),

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from vsb import __version__
 from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.dofs import flexible as is_flexible
 from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import (
@@ -316,7 +317,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         reference=study.reference_design,
         sketches=sketches(buoy) if buoy else (),
         thing="buoy" if buoy else "body",
-        flexible=study.flexible,
+        flexible=study.flexible and (buoy is not None or is_flexible(stored.response.dof.values)),
         animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         no_slider=no_slider(study),

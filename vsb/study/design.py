@@ -204,7 +204,7 @@ def _variable(key: str, given: object) -> Variable:
             "of its size; what is not varied stands in the study alone"
         )
     if not (least < low and high < most):
-        need = f"above {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
+        need = f"above {least:g}" if math.isinf(most) else f"above {least:g} and below {most:g}"
         raise ValueError(f"{key}: received {given!r}, needs bounds {need}")
     if log and low <= 0:
         raise ValueError(f"{key}: received {given!r}, needs bounds above 0 to be varied by the logarithm")
