@@ -103,7 +103,9 @@ class BestSoFar:
             words = ", ".join(
                 f"{one.key.removeprefix('device.').removeprefix('pto.')} {value:.4g}" for one, value in named
             )
-            print(f"best so far: {point.objective:.6g} {self.search.maximise} with {words}", flush=True)
+            unit = "W " if self.search.maximise == "annual_mean_power" else ""
+            maximised = unit + self.search.maximise.replace("_", " ")
+            print(f"best so far: {point.objective:.6g} {maximised} with {words}", flush=True)
 
 
 def outcomes(folder: str, ids: Sequence[str]) -> list[Outcome | str]:
