@@ -133,6 +133,7 @@ WAVE = {"kind": "regular", "amplitude": 0.1}
         (Study, "seed", "pto", {"port": {"between": [40]}}, r"pto.port.between.1: received \[40\]; missing, but"),
         (Study, "seed", "device", {"radius": 2, "damping": {"bta": 1}}, r"device.damping.bta: .* did you mean beta\?"),
         (Study, "seed", "pto", {"port": {"line_to": [0, "a"]}}, "pto.port.line_to.1: received 'a'"),
+        (Study, "seed", "pto", {"ports": {"a": "heave", "b": "heave"}}, "pto.ports: a: received the port of b once more"),
         (Study, "seed", "designs", {"B b": {}}, "designs.B b: received 'B b'; needs letters"),
         (Campaign, "year", "climate", {"spectra": 3}, "climate.spectra: received 3"),
         (Campaign, "year", "climate", {"scatr": "a"}, r"climate.scatr: .* did you mean scatter\?"),

@@ -274,8 +274,8 @@ KEYS: dict[str, dict[str, Key]] = {
         "force_rms": Key(
             "N",
             "2000.0",
-            "rms force of `causal` and `damper_same_force`, of several ports of all forces together; without it the "
-            "force limit, or what the optimal damper has",
+            "rms force of `causal` and `damper_same_force` (a port's own unit of load), of several ports of all forces "
+            "together; without it the force limit, or what the optimal damper has",
             "load_unit",
         ),
     },

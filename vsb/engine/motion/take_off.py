@@ -186,6 +186,8 @@ class SeveralPorts(Section):
                 raise ValueError(
                     f"{name}: needs heave, volume, a ring, two points or the strain of a shell; bodies have one port"
                 )
+            if twin := next((other for other, seen in value.items() if other != name and seen == port), None):
+                raise ValueError(f"{name}: received the port of {twin} once more; needs another")
         return value
 
     @model_validator(mode="after")
