@@ -7,6 +7,7 @@ from conftest import varied
 from vsb.engine.hydro.panels import mesh as meshing
 from vsb.engine.motion.port import port_direction
 from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.loaded import equilibrium
 from vsb.engine.shell.modes import mode_basis
 from vsb.errors import ConfigError
 from vsb.models.rest import (
@@ -66,6 +67,15 @@ def test_at_the_equilibrium_forces_vanish_and_the_stiffness_is_the_tangent(press
     tangent = loaded.stiffness(reference.modal_amplitude)
     assert reference.total == pytest.approx(tangent, abs=1e-10 * np.abs(tangent).max())
     check_stable(pressurised, reference)
+
+
+@pytest.mark.parametrize("degree", [4, 30, 60])
+def test_the_equilibrium_in_any_basis_is_that_to_which_the_load_leads(pressurised, degree):
+    """In fewer modes than the basis that resolves buckling has, and in more."""
+    study = varied(pressurised, device={"thickness": 0.05, "young_modulus": 4e7}, modes={"degree": degree})
+    found = reference_shell(study)
+    led = equilibrium(loaded_shell(study, study_basis(study)))
+    assert found.modal_amplitude == pytest.approx(led, abs=1e-9)
 
 
 def test_buckling_shell_has_no_equilibrium(seed):

@@ -153,9 +153,11 @@ def _at_rest(loaded: LoadedShell, complete: LoadedShell | None = None) -> FloatA
     if complete is None:
         q = equilibrium(loaded)
     else:
-        own, others = loaded.basis.shares, complete.basis.shares[..., : loaded.basis.highest_degree + 1]
-        displaced = (_at_rest(complete) @ others).ravel()
-        q = settled(loaded, np.linalg.lstsq(np.hstack([*own]).T, displaced)[0])
+        own, known = loaded.basis.shares, _at_rest(complete) @ complete.basis.shares
+        displaced = np.zeros((2, own.shape[-1]))  # its basis may have fewer degrees, too
+        few = min(own.shape[-1], known.shape[-1])
+        displaced[:, :few] = known[:, :few]
+        q = settled(loaded, np.linalg.lstsq(np.hstack([*own]).T, displaced.ravel())[0])
     q.setflags(write=False)
     return q
 
