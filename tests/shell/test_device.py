@@ -101,7 +101,7 @@ def test_profile_in_a_file(tmp_path):
 
 @pytest.mark.parametrize(
     ("shape", "changes", "message"),
-    [({}, {}, "received none: needs one of spheroid, capsule and profile"),
+    [({}, {}, "received none: needs one of spheroid, capsule, series, profile"),
         ({**OBLATE, "capsule": {"length": 1.0}}, {}, "received spheroid and capsule: needs one of"),
         ({"spheroid": {"height": 50.0}}, {}, r"shape.spheroid: received a height of 12.5 diameters, needs 0.1 to 10"),
         ({"spheroid": {"height": 0.5}}, {"device": {"thickness": 0.01}}, "a tenth of the shape's least radius of curv"),

@@ -351,7 +351,7 @@ def test_a_hull_on_its_side_or_below_the_water_is_named(tmp_path):
         described(obj(tmp_path / "side.obj", points[:, [0, 2, 1]] * [1, 1, -1], [*side, keel]))
     with pytest.raises(
         ConfigError,
-        match=r"lowest point at 0 m; needs .* or the draft of the hull, such as mesh: {file: hull.stl, draft",
+        match=r"lowest point at 0 m; needs .* move it down by its draught, of rigid hulls by mesh: {file: hull.stl, draft",
     ):
         described(obj(tmp_path / "keel.obj", points + np.array([0, 0, T]), [*side, keel]))
 

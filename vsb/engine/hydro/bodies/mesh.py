@@ -478,7 +478,8 @@ def wetted(vertices: FloatArray, faces: IntArray, bed: float = -np.inf) -> Wette
     if not len(below):
         raise ConfigError(
             f"mesh: none of {len(faces)} panels lies below z = 0, the lowest point at {height[faces].min():.4g} m; "
-            "needs the water's surface at z = 0, or the draft of the hull, such as mesh: {file: hull.stl, draft: 2.0}"
+            "needs the water's surface at z = 0: move it down by its draught, of rigid hulls by mesh: {file: "
+            "hull.stl, draft: 2.0}"
         )
     points, panels, parent = immersed_panels(level, faces[below])
     whole = ~without_area(points, panels)
