@@ -45,7 +45,7 @@ def test_what_is_there_costs_nothing(tmp_path):
 
 
 def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
-    """Measured about 1.6 s of each; a point that shares the undeformed shape takes a hundredth of that."""
+    """Measured about 1.2 s of each, 0.2 with another spring alone; of an undeformed shape a tenth of that."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
     raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "modes": {"degree": 9}}
     given = {"campaign": "many", "study": "shell.yaml", "climate": {"spectra": "sea.txt"}}
@@ -57,7 +57,7 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
             (tmp_path / "many.yaml").write_text(yaml.safe_dump({**given, "vary": vary}))
             plan = replace(plan_of(str(tmp_path / "many.yaml")), root=str(tmp_path / "results"))
             found[shape, count] = sum(task.seconds for task in tasks(plan) if task.stage == "members")
-    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.6, rel=0.1)
+    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.2, rel=0.1)
     assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.016)
 
 

@@ -51,8 +51,9 @@ LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
-REST_SECONDS = 1.2
-"""What a point of a campaign about its equilibrium takes more: its rest and the modes left out."""
+REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.15
+"""What a point of a campaign about its equilibrium takes more: its rest and the modes left out; and one that shares
+the shape of another, such as with another spring."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
 CONTROLLED_SEA_SECONDS = {"linear": 2.0, "body_exact": 8.0}
@@ -138,7 +139,8 @@ def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
     shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
     water = sum(block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
     each = MEMBER_SECONDS + (plan.member_seconds - MEMBER_SECONDS) * _part_of_bins(plan)
-    return each * len(some) + REST_SECONDS * len(resting) + water
+    rests = len({one.spec.sweep for one in resting})
+    return each * len(some) + REST_SECONDS * rests + SAME_REST_SECONDS * (len(resting) - rests) + water
 
 
 def _part_of_bins(plan: CampaignPlan) -> float:
