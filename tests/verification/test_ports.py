@@ -13,10 +13,11 @@ def steady(period: float) -> dict:
     return {"duration": 60 * period, "window": [50 * period, 60 * period]}
 
 
-def powers(run, name: str, period: float, pto: dict) -> tuple[float, float]:
+def powers(run, name: str, period: float, pto: dict, degree: int = DEGREE) -> tuple[float, float]:
     """Mean power of the package's run in time, and of its frequency domain, W."""
     wave = {"kind": "regular", "amplitude": AMPLITUDE, "period": period}
-    found = run(name, waves=[wave], pto=pto, simulation=steady(period), **ALONE)
+    modes = {"basis": "full", "degree": degree}
+    found = run(name, waves=[wave], pto=pto, simulation=steady(period), modes=modes, **ALONE)
     return found.comparison.power_mean.iloc[0], found.ladder.query("rung == 'fixed'").power_mean.iloc[0]
 
 
@@ -28,16 +29,20 @@ def absorbed(velocity: np.ndarray, admittance: np.ndarray, matrix: np.ndarray) -
 
 @pytest.mark.parametrize(("kind", "held"), [("area", True), ("hoop", False)])
 def test_strain(agree, run, kind, held):
-    """A damper on the change of area with the frame held, and on the hoop strain of a belt with the frame free."""
+    """A damper on the change of area with the frame held, and on the hoop strain of a belt with the frame free.
+
+    The ends of a belt are line loads, under which the package knows what all degrees do: so do the multipoles.
+    """
     period, belt = 3.0, (60.0, 120.0) if kind == "hoop" else (0.0, 180.0)
-    water = motion(SHELL, period, DEGREE)
-    port = (water.modes.T @ strain_port(SHELL, DEGREE, kind, belt))[:, None]
+    solved, known = (30, 140) if kind == "hoop" else (DEGREE, DEGREE)
+    water = motion(SHELL, period, known)
+    port = (water.modes.T @ strain_port(SHELL, known, kind, belt))[:, None]
     port[0] = 0.0  # heave strains nothing
     velocity, admittance = water.network(port, slice(1 if held else 0, None))
     best = np.array([[1 / abs(admittance[0, 0])]])
     pto = {"port": {"strain": kind, "belt": list(belt)}, "damping": float(best[0, 0])}
     held_pto = {"held": {"place": "heave"}} if held else {}
-    in_time, steady_state = powers(run, f"strain_{kind}", period, pto | held_pto)
+    in_time, steady_state = powers(run, f"strain_{kind}", period, pto | held_pto, solved)
     wanted = absorbed(velocity, admittance, best)
     agree("strain ports", f"power of a damper on {kind}, frequency domain", steady_state, wanted, 5e-3)
     agree("strain ports", f"power of a damper on {kind}, in time", in_time, wanted, 2e-2)
