@@ -26,7 +26,7 @@ BARGE = Path(__file__).parents[1] / "data" / "barge"
 FREE = ("state_matrix", "input_matrix", "output_matrix", "channel")
 """Radiation states may be any that give the same memory."""
 TURNED = {"displacement_pp": "-", "velocity_pp": "-", "pto_force_pp": "N m", "damping": "N m s", "stiffness": "N m",
-          "force_rms": "N m", "force_peak": "N m", "stroke_peak": "-", "best_damping": "N m s"}  # fmt: skip
+          "force_rms": "N m", "own_force_rms": "N m", "force_peak": "N m", "stroke_peak": "-", "best_damping": "N m s"}  # fmt: skip
 """Units of columns whose take-off acts on a rotation."""
 NAMES = ["Mode9", "Heave", "Surge", "Pitch", "Mode7"]
 """Another order of what moves."""

@@ -23,10 +23,10 @@ SHORT = {"duration": 18.0, "window": [12.0, 18.0], "initial_velocity": 0.0}
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}
 
 
-def planned(root, shape, model="linear", amplitude=0.1):
+def planned(root, shape, model="linear", amplitude=0.1, designs=DESIGNS):
     """The plan of a small study of a shape."""
     study = parse(
-        raw(shape, study="shaped", waves=[{**WAVES[0], "amplitude": amplitude}], simulation=SHORT, designs=DESIGNS, device={"thickness": 0.02},
+        raw(shape, study="shaped", waves=[{**WAVES[0], "amplitude": amplitude}], simulation=SHORT, designs=designs, device={"thickness": 0.02},
             hydro={"model": model, "tolerance": 1e-3, "omega_max": 6.0, "witness": "none"},
             pto={"damping": 8000.0}, modes={"basis": "full", "degree": 2})
     )  # fmt: skip
@@ -41,10 +41,12 @@ def oblate(tmp_path_factory):
 
 
 def test_spheroid_of_equal_radii_is_the_sphere(tmp_path):
-    """Closed forms of the sphere against quadrature and natural modes of any meridian."""
-    plans = [
-        planned(tmp_path / name, shape) for name, shape in (("sphere", None), ("ball", {"spheroid": {"height": 4.0}}))
-    ]
+    """Closed forms of the sphere against quadrature and natural modes of any meridian; under a clamp only the sphere
+    knows what further degrees do.
+    """
+    designs = {name: DESIGNS[name] for name in ("FSB", "VSWEC")}
+    shapes = {"sphere": None, "ball": {"spheroid": {"height": 4.0}}}
+    plans = [planned(tmp_path / name, shape, designs=designs) for name, shape in shapes.items()]
     for plan in plans:
         make(plan, plan.response_files.values())
     one, other = (xr.open_dataset(plan.response_files["response"]) for plan in plans)
