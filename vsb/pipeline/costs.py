@@ -17,7 +17,7 @@ from vsb.study.blocks import BlockSpec
 from vsb.study.campaign import CAUSAL, Scatter
 from vsb.study.campaign_plan import CAUSAL_YEAR_SECONDS, MEMBER_SECONDS, CampaignPlan, Member
 from vsb.study.plan import StudyPlan
-from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
+from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy, Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
@@ -47,6 +47,8 @@ WITNESS_ROW2_SECONDS = 4e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
 RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 3e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
+OF_SHAPE = 20.0
+"""How many times as long a body-exact run of a shell of another shape than the sphere takes, of a stiff capsule."""
 LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
@@ -130,7 +132,14 @@ def run_seconds(study: BaseStudy, wave: Wave) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
     seas = 2.0 if isinstance(wave, IrregularSea) else 1.0  # of many components
+    if study.buoy and study.buoy.hydro.model == "body_exact":
+        seas *= _of_shape(study.buoy)
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
+
+
+def _of_shape(buoy: AnyBuoy) -> float:
+    """How many times as long a body-exact run takes as one of the sphere."""
+    return OF_SHAPE if buoy.device.shape and any(design.flexible for design in buoy.designs.values()) else 1.0
 
 
 def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
@@ -159,4 +168,6 @@ def verification_seconds(spec: VerificationSpec) -> float:
     """Return the CPU time of the seas of a member that are simulated, with the radiation memory they need [s]."""
     controlled = CAUSAL in spec.tuning
     each = (CONTROLLED_SEA_SECONDS if controlled else SEA_SECONDS)[spec.verify.model] * spec.verify.seas
+    if spec.buoy and spec.verify.model == "body_exact":
+        each *= _of_shape(spec.buoy)
     return MEMORY_SECONDS + (each + CAUSAL_YEAR_SECONDS * controlled) * len(spec.designs)
