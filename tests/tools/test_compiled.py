@@ -15,7 +15,8 @@ from vsb.tools.compiled import sources_id
 def test_edited_force_reaches_the_loops_that_call_it_and_one_of_two_processes_compiles(tmp_path):
     """In a copy of the package, with a force and a loop that compile quickly; each process prints what it compiled."""
     shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
-    force, loop = tmp_path / "vsb" / "motion" / "wetted.py", tmp_path / "vsb" / "integrators" / "exponential.py"
+    engine = tmp_path / "vsb" / "engine"
+    force, loop = engine / "motion" / "wetted.py", engine / "integrators" / "exponential.py"
     compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
     text = force.read_text()
     loop.write_text(
