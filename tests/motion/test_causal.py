@@ -56,8 +56,8 @@ def lqg(mass, resistance, stiffness, shaping, noise, price):
     spread = solve_continuous_are(a.T, measured.T, drive @ drive.T, noise * np.eye(p))
     kalman = spread @ measured.T / noise
     loop = np.block([[a, -b @ gain], [kalman @ measured, a - b @ gain - kalman @ measured]])
-    pushed = block_diag(drive, kalman * np.sqrt(noise))
-    covariance = solve_continuous_lyapunov(loop, -pushed @ pushed.T)
+    forcing = block_diag(drive, kalman * np.sqrt(noise))
+    covariance = solve_continuous_lyapunov(loop, -forcing @ forcing.T)
     force, moved = np.hstack([np.zeros((p, n)), -gain]), np.hstack([velocity, np.zeros((p, n))])
     return float(np.trace(force @ covariance @ moved.T)), float(np.trace(force @ covariance @ force.T))
 

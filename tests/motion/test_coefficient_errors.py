@@ -48,8 +48,10 @@ def at_work(c, motions, load, stiffness=STIFFNESS):
 
 def by_name(slopes):
     """Derivatives by coefficients, entry by entry."""
-    mass, damping, stiffness = slopes.by_matrices()
-    return {"added_mass": mass, "damping": damping, "excitation": slopes.excitation, "stiffness": stiffness}
+    real, imaginary = (left @ right.swapaxes(1, 2) for left, right in slopes._factors(slice(None)))
+    w = slopes.omega[:, None, None]
+    by_matrices = {"added_mass": -(w**2) * real, "damping": w * imaginary, "stiffness": real}
+    return {**by_matrices, "excitation": slopes.excitation}
 
 
 def best(c, motions, load, stiffness=STIFFNESS):

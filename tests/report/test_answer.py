@@ -183,6 +183,8 @@ def test_causal_control_of_a_given_force_is_part_of_the_answer():
     start = "In a sea, with causal control of 2000 N rms: VSWEC absorbs"
     (found,) = at_force_statements(lines, "FSB", seas, "N")
     assert found == f"{start} 1.9 % more than the rigid FSB (+1.5 to +1.9 %; 101.9 against 100 W)."
+    (bare,) = at_force_statements([lines[0], lines[1] | {"low": None, "high": None}], "FSB", seas, "N")
+    assert bare == f"{start} 1.9 % more than the rigid FSB (101.9 against 100 W)."
     (alone,) = at_force_statements(lines[1:], None, seas, "N")
     assert alone == f"{start} 101.9 W."
     assert at_force_statements([line | {"design": "FSB", "force_rms": None}], "FSB", seas, "N") == []

@@ -16,7 +16,7 @@ from vsb.engine.motion.port import port_direction
 from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium, settled
+from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium, equilibrium_near
 from vsb.engine.shell.lobes import with_lobes
 from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
@@ -157,7 +157,7 @@ def _at_rest(loaded: LoadedShell, complete: LoadedShell | None = None) -> FloatA
         displaced = np.zeros((2, own.shape[-1]))  # its basis may have fewer degrees, too
         few = min(own.shape[-1], known.shape[-1])
         displaced[:, :few] = known[:, :few]
-        q = settled(loaded, np.linalg.lstsq(np.hstack([*own]).T, displaced.ravel())[0])
+        q = equilibrium_near(loaded, np.linalg.lstsq(np.hstack([*own]).T, displaced.ravel())[0])
     q.setflags(write=False)
     return q
 

@@ -256,7 +256,8 @@ def _under_control(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference under causal control, in words."""
     (own, its), unit = watts([line["power"], base["power"]])
     gain = against(line["gain_percent"], the_rigid(base["design"]), gain_decimals(line["low"], line["high"]))
-    return f"{gain} ({interval_text(line['low'], line['high'])}; {own} against {its} {unit})"
+    interval = interval_text(line["low"], line["high"])
+    return f"{gain} ({interval and f'{interval}; '}{own} against {its} {unit})"
 
 
 AT_FORCE = (

@@ -217,8 +217,8 @@ def runs_in_time(
             where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
                 run, steady = design.powers(sea, settings, model)
-                settled = settings.window[0] >= DECAYS * decay
-                found[:, i, j] = run, steady if settled else design.from_rest(sea, settings), steady
+                decayed = settings.window[0] >= DECAYS * decay
+                found[:, i, j] = run, steady if decayed else design.from_rest(sea, settings), steady
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)

@@ -38,7 +38,7 @@ def run_side_by_side(
     count : int
         Number of processes; but a second task begins only where the memory for it is free.
     begun : callable
-        Told which task begins, and which are done, by their places in `some`.
+        Called with the task that begins and those done, by their places in `some`.
     """
     chains = longest_chains(some)
     waiting = sorted(range(len(some)), key=lambda place: -chains[place])

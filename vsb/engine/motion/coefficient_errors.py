@@ -60,7 +60,10 @@ class Sensitivity:
         return Sensitivity(self.omega, self.excitation - other.excitation, (*self.products, *of_other))
 
     def _factors(self, part: slice) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-        """Real L and R, (omega, dof, column), of Re and Im of the derivative by D, L R^T, made symmetric."""
+        """Real L and R, (omega, dof, column), of Re and Im of the derivative by D, L R^T, made symmetric.
+
+        D = -w^2 A - i w B + K: by A it is -w^2 Re, by B w Im, by K Re.
+        """
         count, dof = self.excitation[part].shape
         none = (np.zeros((count, dof), dtype=complex),) * 2  # of a port that does not move
         of_both = [(one, other) for t, q in self.products for one, other in ((t[part], q[part]), (q[part], t[part]))]
@@ -68,15 +71,6 @@ class Sensitivity:
         real = np.concatenate([-left.real, left.imag], axis=-1), np.concatenate([right.real, right.imag], axis=-1) / 2
         imaginary = np.concatenate([-left.real, -left.imag], axis=-1), np.concatenate([right.imag, right.real], axis=-1)
         return real, (imaginary[0], imaginary[1] / 2)
-
-    def by_matrices(self, part: slice = slice(None)) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the derivatives by added mass [1/kg], damping [s/kg] and stiffness [m/N], each (omega, dof, dof).
-
-        D = -w^2 A - i w B + K, all symmetric, so are their derivatives.
-        """
-        real, imaginary = (left @ right.swapaxes(1, 2) for left, right in self._factors(part))
-        w = self.omega[part, None, None]
-        return -(w**2) * real, w * imaginary, real
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""

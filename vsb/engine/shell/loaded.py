@@ -247,7 +247,7 @@ def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> Float
     return path.amplitudes
 
 
-def settled(loaded: LoadedShell, near: FloatArray) -> FloatArray:
+def equilibrium_near(loaded: LoadedShell, near: FloatArray) -> FloatArray:
     """Return the static equilibrium near amplitudes (dof,) [m], else that of `equilibrium`, shape (dof,) [m].
 
     Of a shell whose growing load was followed with other modes. Raises `ConvergenceError` as `equilibrium` does.

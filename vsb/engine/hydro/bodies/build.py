@@ -92,7 +92,8 @@ def _placed(vertices: FloatArray, faces: IntArray, mesh: object) -> FloatArray:
 
 def _extent(points: FloatArray) -> str:
     """How large a hull is and how deep it lies."""
-    (length, width, _), (low, *_, high) = np.ptp(points, axis=0), np.sort(np.round(points[:, 2], 3)) + 0.0
+    (length, width, _), height = np.ptp(points, axis=0), np.round(points[:, 2], 3) + 0.0  # no negative zero
+    low, high = height.min(), height.max()
     return f"hull {length:.3g} m along x, {width:.3g} m along y, from {low:.4g} to {high:.4g} m above still water"
 
 
