@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_sections import RAW, changed
 
+from vsb.engine.integrators.settings import Simulation
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import validated
@@ -150,6 +151,12 @@ def test_buoy_floats_between_its_poles_and_above_the_bed(seed):
     just = {"water": {"depth": 1.02 * seed.draft}, "hydro": {"solver": "spectral"}}
     assert not varied(seed, **just).uses_panels
     assert not varied(seed, water=just["water"]).uses_panels
+
+
+def test_window_without_one_is_the_last_third():
+    assert Simulation(duration=300.0).window == (200.0, 300.0)
+    assert Simulation().window == (40.0, 60.0)
+    assert Simulation(duration=30.0, window=(5.0, 20.0)).window == (5.0, 20.0)
 
 
 def test_limits_of_duration_and_window(seed):

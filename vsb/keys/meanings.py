@@ -467,7 +467,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Simulation": {
         "duration": Key("s", "60.0", "time simulated"),
-        "window": Key("s", "[40.0, 60.0]", "part of it that means and extremes are taken from, after the transient"),
+        "window": Key("s", "[40.0, 60.0]", "part of it for means and extremes; without it the last third"),
         "initial_position": Key("m", "0.0", "heave at the start, from rest"),
         "initial_velocity": Key("m/s", "-0.8", "heave velocity at the start"),
         "tolerance": Key("-", "1.0e-6", "error of the motion in time, relative to its largest value"),

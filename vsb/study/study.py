@@ -123,8 +123,8 @@ class BaseStudy(WithDesigns):
 
     @model_validator(mode="after")
     def _records_long_enough(self) -> Self:
-        """Without a section `simulation`, records last as long as an interval of mean power needs, if it is of them."""
-        if "simulation" in self.model_fields_set or self.power_of_spectrum:
+        """Without a duration or window, records last as long as an interval of mean power needs, if it is of them."""
+        if self.simulation.model_fields_set & {"duration", "window"} or self.power_of_spectrum:
             return self
         families: dict[str, list[IrregularSea]] = {}
         for wave in self.waves:

@@ -9,7 +9,10 @@ from vsb.keys.quantities import Finite, NonNegative, Number, Positive, Section, 
 
 
 class Simulation(Section):
-    """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
+    """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s].
+
+    With a duration alone the window is its last third.
+    """
 
     duration: Annotated[Positive, within(1e-3, 2e5, "s", "a sea state does not last two days")] = 60.0
     window: tuple[NonNegative, Positive] = (40.0, 60.0)
@@ -20,6 +23,8 @@ class Simulation(Section):
 
     @model_validator(mode="after")
     def _window_inside(self) -> Self:
+        if "window" not in self.model_fields_set:
+            object.__setattr__(self, "window", (2 * self.duration / 3, self.duration))
         start, end = self.window
         if not start < end <= self.duration:
             raise ValueError(f"window {list(self.window)}: needs 0 <= start < end <= duration = {self.duration:g} s")
