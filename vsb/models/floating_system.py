@@ -19,7 +19,7 @@ from vsb.engine.hydro import database
 from vsb.engine.hydro.dofs import flexible
 from vsb.engine.hydro.labels import is_rigid
 from vsb.engine.hydro.orders import Directions
-from vsb.engine.motion.coefficient_errors import CoefficientError, coefficient_errors
+from vsb.engine.motion.coefficient_errors import CoefficientError, coefficient_errors, combined
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.frequency import LinearEquation
 from vsb.engine.motion.linear import LinearSystem, with_open_chamber
@@ -95,8 +95,11 @@ class AtFrequencies:
 
     def ports(self, stiffness: float = 0.0) -> dict[str, Port]:
         """Return what the damper of a take-off sees of every design, beside its spring [N/m]."""
-        seen = {design: self.equation.port(motions, self.port) for design, motions in self.motions.items()}
-        return {design: port.beside(stiffness) for design, port in seen.items()}
+        return {design: port.beside(stiffness) for design, port in self._ports.items()}
+
+    @cached_property
+    def _ports(self) -> dict[str, Port]:
+        return {design: self.equation.port(motions, self.port) for design, motions in self.motions.items()}
 
     def in_waves(self) -> dict[str, InWaves]:
         """Return every design in waves of unit amplitude, computed once."""
@@ -144,7 +147,7 @@ class Floating(Protocol):
         """Return it at frequencies; outside the band with the coefficients of its nearest end."""
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
-        """Return the estimated errors of its coefficients at frequencies."""
+        """Return the estimated errors of its coefficients at frequencies, as `combined`."""
 
 
 @dataclass(frozen=True)
@@ -174,8 +177,8 @@ class FloatingSystem:
         return AtFrequencies(self.linear.extended_equation(omega), self.motions, self.port)
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
-        """Return the estimated errors of its coefficients at frequencies."""
-        return coefficient_errors(self.linear, np.clip(omega, *self.band))
+        """Return the estimated errors of its coefficients at frequencies, as `combined`."""
+        return combined(coefficient_errors(self.linear, np.clip(omega, *self.band)))
 
     def towards(self, direction: Heading) -> LinearSystem:
         """Return its motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""

@@ -31,7 +31,7 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import heading
-from vsb.models.ports import ShapeWater, buoy_at
+from vsb.models.ports import ShapeWater, kept_buoy
 from vsb.models.rest import order_bases, reference_shell
 from vsb.models.ring_loads import with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
@@ -266,7 +266,7 @@ class ModeConvergence:
 
         By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
         """
-        buoy = buoy_at(study, reference, water)
+        buoy = kept_buoy(study, reference, water)
         omega, directions, _ = self._sampled
         if study.pto.several:
             return buoy.several_ports()

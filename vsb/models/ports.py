@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from vsb.engine.motion.coefficient_errors import (
     INTERPOLATION,
     RESOLVED,
     CoefficientError,
+    combined,
     haskind_misfits,
     relative_error,
 )
@@ -41,10 +43,10 @@ POINTS = 13
 """Points of the meridian the shell's motion is given at, both poles and the equator among them."""
 KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
+BUOYS = 4
+"""Buoys that are kept in the water of a shape: with the modes of a study, and with more of them."""
 GRIDS = 3
 """Sets of frequencies whose coefficients are kept: of a climate, and two of the harmonics of an optimum."""
-Misfits = tuple[FloatArray, FloatArray, FloatArray]
-"""Of added mass, damping and excitation; see `vsb.engine.motion.coefficient_errors.haskind_misfits`."""
 OF_BUOY = {"device", "modes", "reference_shape", "designs", "water", "motion", "mooring"}
 """Sections of a study that its buoy follows from, without what its take-off does."""
 OF_PORT = {"port", "held"}
@@ -64,8 +66,8 @@ class ShapeWater:
     resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
     interpolation: float = 0.0
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
-    _misfits: dict[tuple[bytes, Water], Misfits] = field(default_factory=dict, repr=False, compare=False)
-    _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last one
+    _errors: dict[Any, list[CoefficientError]] = field(default_factory=dict, repr=False, compare=False)  # the last ones
+    _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last few
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
@@ -73,9 +75,10 @@ class ShapeWater:
         return Coefficients.side_by_side([own, *(self._of_family(each) for each in families)])
 
     def buoy_of(self, key: str, made: Callable[[], AtFrequencies]) -> AtFrequencies:
-        """Return the buoy in this water that a key stands for, made if it is not the last one."""
+        """Return the buoy in this water that a key stands for, made if it is none of the last few."""
         if key not in self._buoys:
-            self._buoys.clear()
+            if len(self._buoys) == BUOYS:
+                del self._buoys[next(iter(self._buoys))]
             self._buoys[key] = made()
         return self._buoys[key]
 
@@ -88,21 +91,26 @@ class ShapeWater:
         return water._combined(order_shares(water.displacements, family))
 
     def errors(self, basis: ModeBasis, families: Sequence[OrderBasis], water: Water) -> list[CoefficientError]:
-        """Return the estimated errors of `in_modes`, as of `vsb.engine.motion.coefficient_errors`."""
-        found, own, transform = self.in_modes(basis, families), len(basis.labels), shares(self.displacements, basis)
+        """Return the estimated errors of `in_modes`, as of `vsb.engine.motion.coefficient_errors`, added up."""
+        transform = shares(self.displacements, basis)
+        if (key := (transform.tobytes(), *families, water)) not in self._errors:
+            self._errors.clear()
+            self._errors[key] = combined(self._estimated(transform, self.in_modes(basis, families), water))
+        return self._errors[key]
+
+    def _estimated(self, transform: FloatArray, found: Coefficients, water: Water) -> list[CoefficientError]:
+        """Errors by source of the coefficients of combinations of the displacements, and of families."""
+        own = len(transform)
         mass, damping, force = (self.interpolation * np.abs(values) for values in found)
-        if (key := (transform.tobytes(), water)) not in self._misfits:
-            self._misfits.clear()
-            self._misfits[key] = haskind_misfits(
-                self.omega,
-                transform @ self.coefficients.damping @ transform.T,
-                found.damping[:, :own, :own],
-                found.excitation[:, :own],
-                water.depth,
-                water.density,
-                water.gravity,
-            )
-        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = self._misfits[key]
+        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = haskind_misfits(
+            self.omega,
+            transform @ self.coefficients.damping @ transform.T,
+            found.damping[:, :own, :own],
+            found.excitation[:, :own],
+            water.depth,
+            water.density,
+            water.gravity,
+        )
         between = Coefficients(mass, damping, force.astype(complex))
         return [
             relative_error(RESOLVED, found, self.resolution),
@@ -178,16 +186,20 @@ class BuoyOfShape:
     def at(self, omega: FloatArray) -> AtFrequencies:
         """Return it at frequencies; outside the band with the coefficients of its nearest end.
 
-        The last one is kept for members of a campaign that differ by what their take-off does alone.
+        Kept for members of a campaign that differ by what their take-off does alone.
         """
-        study, water = self.study, self.swept.at(omega)
-        parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
-        return water.buoy_of(" ".join(parts), lambda: buoy_at(study, self.reference, water))
+        return kept_buoy(self.study, self.reference, self.swept.at(omega))
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
         """Return the estimated errors of its coefficients at frequencies."""
         basis = self.moving.basis
         return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
+
+
+def kept_buoy(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
+    """Return the same as `buoy_at`, kept for studies that differ by what their take-off does alone."""
+    parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
+    return water.buoy_of(" ".join(parts), lambda: buoy_at(study, reference, water))
 
 
 def buoy_at(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:

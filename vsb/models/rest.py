@@ -4,7 +4,7 @@ A buoy heaves with its axisymmetric shell modes; one that also moves along and a
 freedom, azimuthal order by order.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,11 +15,13 @@ from vsb.engine.motion.linear import gas_compliance
 from vsb.engine.motion.port import port_direction
 from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
+from vsb.engine.shell.device import Device
 from vsb.engine.shell.elastic import ElasticShell
 from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium, equilibrium_near
 from vsb.engine.shell.lobes import with_lobes
 from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.study.directions import RIGID
 from vsb.study.specs import AnyBuoy, AtRest, Designed, ModesSpec, RestSpec
@@ -199,6 +201,27 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     gas adds its own.
     """
     basis = basis or study_basis(study)
+    parts = study.device, study.water, study.centre_height, study.at_equilibrium, study.flexible
+    return _reference_shell(_Resting(basis, *parts, study))
+
+
+@dataclass(frozen=True)
+class _Resting:
+    """All that the shape of a shell at rest follows from."""
+
+    basis: ModeBasis
+    device: Device
+    water: Water
+    centre_height: float
+    at_equilibrium: bool
+    flexible: bool
+    study: AtRest = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _reference_shell(one: _Resting) -> ReferenceShell:
+    """The same, kept for what shares it, as members of a campaign that differ by their take-off; not to be written."""
+    study, basis = one.study, one.basis
     loaded = loaded_shell(study, basis)
     if study.at_equilibrium:
         try:

@@ -53,7 +53,7 @@ LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
-REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.15
+REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.06
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out; and one that shares
 the shape of another, such as with another spring."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.coefficient_errors import CoefficientError, combined, sensitivity
+from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import named_ports
 from vsb.engine.waves.climate import Climate
@@ -275,7 +275,7 @@ class DampedYears:
         reference = None if study.reference_design is None else list(waves).index(study.reference_design)
         power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
         best = np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2]
-        of_power, of_ratio, errors = *np.zeros((2, *power.shape)), combined(errors)
+        of_power, of_ratio = np.zeros((2, *power.shape))
         for j, tuning in enumerate(self.tunings):
             slopes = []
             for (design, one), damping in zip(waves.items(), best, strict=True):
