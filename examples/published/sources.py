@@ -306,9 +306,9 @@ def best_buoy(folder: Path) -> dict[str, Value]:
         found[f"worth.{limit}"] = 100 * more / facts["limits"][limit] * float(weights.get(limit, 0.0))
     both = ("flexible", "rigid competitor")
     found["accepted"] = sum(int(found[f"{name}.starts"]) for name in both)
-    beams = [float(found[f"{name}.beam"]) for name in ("flexible", "undeformed sphere")]
+    beams = [float(found[f"{name}.beam"]) for name in ("flexible", "undeformed shape")]
     found["stretch"] = 100 * (beams[0] / beams[1] - 1)
-    found["size_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["undeformed sphere"] - 1)
+    found["size_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["undeformed shape"] - 1)
     found["twin_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["rigid twin"] - 1)
     for force in ("10000", "20000", "40000"):
         flexible, rigid = (float(found[f"{name}.force_rms.{force}"]) for name in both)

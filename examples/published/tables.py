@@ -110,7 +110,7 @@ def at_force_rigid(values: Values) -> str:
 
 def best_buoy(values: Values) -> str:
     """The best buoys and what separates size from flexibility."""
-    names = ("flexible", "rigid competitor", "rigid twin", "undeformed sphere")
+    names = ("flexible", "rigid competitor", "rigid twin", "undeformed shape")
 
     def row(head: str, key: str, form: str, some: Sequence[str] = names, scale: float = 1.0) -> list[str]:
         cells = [f"best_buoy.{name}.{key}" for name in names]

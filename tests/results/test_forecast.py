@@ -21,6 +21,7 @@ def test_a_controller_loses_nothing_at_home_and_its_objective_elsewhere(example)
     home = lines["FSB", 1.0]
     assert home.power == pytest.approx(PUBLISHED[5.0][1284.4][0], rel=5e-3)
     assert (home.power, home.force_rms) == (home.own_power, home.own_force_rms)
+    assert home.force_rms == pytest.approx(1284.4, rel=1e-6)
     there = wave.model_copy(update={"tp": 6.0})
     port = stationary_ports(floating, there, expected_sea(study, there, floating.linear.database))["FSB"]
     best, line = optimum(port, RmsLimits(1284.4)), lines["FSB", 1.2]

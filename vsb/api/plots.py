@@ -179,7 +179,7 @@ class StudyPlots:
                 run = run.sel(time=slice(start, end))
                 axes.plot(run.time, run.position.sel(dof=dof), **self.style(design))
         axes.set(xlabel="time [s]", ylabel=f"{dof} [{_unit(dof)}]")
-        axes.legend(frameon=False)
+        axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)  # curves fill the axes
         return axes
 
     def animate(self, design: str, wave: str | None = None, magnify: float = 1.0) -> FuncAnimation:

@@ -28,7 +28,7 @@ from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
-FLEXIBLE, COMPETITOR, TWIN, SPHERE = "flexible", "rigid competitor", "rigid twin", "undeformed sphere"
+FLEXIBLE, COMPETITOR, TWIN, UNDEFORMED = "flexible", "rigid competitor", "rigid twin", "undeformed shape"
 """Names of the buoys compared."""
 OF_TAKE_OFF = ("force_rms", "stroke_rms", "spring_pull")
 """Limits that a take-off can meet."""
@@ -116,10 +116,10 @@ def twin(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
     return _with_take_off(TWIN, search, climate, found)
 
 
-def sphere(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
+def undeformed(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
     """Return the rigid sphere of the flexible one's undeformed radius and its mass; None if it sinks."""
     search = spec.rigid.model_copy(update={"variables": _of_both(spec), "maximise": POWER})
-    return _with_take_off(SPHERE, search, climate, replace(found, degree=None))
+    return _with_take_off(UNDEFORMED, search, climate, replace(found, degree=None))
 
 
 def _of_both(spec: DesignSpec) -> tuple[Variable, ...]:

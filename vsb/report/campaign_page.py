@@ -40,15 +40,22 @@ CAPTIONS = {
     "spectra": "Spectra of the year: mean, median at each frequency, and the range between the 10 % and 90 % "
     "quantiles (shaded).",
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
-    "{tuned}{at}. White: no sea in the bin. Crosses: seas beyond the validity of linear theory, the larger the more of "
-    "the bin (Hs above 0.05 of the wavelength at the energy period, or the highest of a thousand waves breaks"
-    "{deformed}).",
-    "tuned_power": "Mean power of the year against one damping for all seas{at}. Full: optimal damping; open: given "
-    "damping; dotted: optimal damping in each sea.",
+    "{tuned}{at}. White: no sea in the bin.{crosses}",
+    "tuned_power": "Mean power of the year against one damping for all seas{at}.{dampings}",
     "pareto": "Mean power of the year against the root mean square of the take-off's {load}{at}, for "
     "damping up to the optimal one, without limits.{within}",
     "sweep": "Gain of annual energy over {over}, {tuned}{marks}.",
 }
+DAMPINGS = {
+    "one": "full: optimal damping",
+    "fixed": "open: given damping",
+    "each": "dotted: optimal damping in each sea",
+}
+"""What the marks of each tuning are in the figure of the power over the damping."""
+CROSSES = (
+    " Crosses: seas beyond the validity of linear theory, the larger the more of the bin (Hs above 0.05 of the "
+    "wavelength at the energy period, or the highest of a thousand waves breaks{deformed})."
+)
 BEYOND = {
     "steepness": "too steep",
     "breaking": "with breaking waves",
@@ -121,10 +128,14 @@ def compared_with(ds: xr.Dataset, reference: str | None) -> str:
 def captions(ds: xr.Dataset) -> dict[str, str]:
     """Return the captions of the figures of a campaign."""
     tuning, reference = leading(ds)
-    at = where(shown_member(ds, tuning, reference))
+    one = shown_member(ds, tuning, reference)
+    at, marks = where(one), [text for name, text in DAMPINGS.items() if name in ds.tuning.values]
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
     words["load"], words["over"] = kind_of(ds).load, compared_with(ds, reference)
-    words["deformed"] = " or deforms the shell by more than a tenth of its radius" if of_shells(ds) else ""
+    deformed = " or deforms the shell by more than a tenth of its radius" if of_shells(ds) else ""
+    crossed = bool((one.beyond_validity.sel(tuning=tuning) > 0).any())
+    words["crosses"] = CROSSES.format(deformed=deformed) if crossed else ""
+    words["dampings"] = f" {'; '.join(marks).capitalize()}." if marks else ""
     words["within"] = " Squares: optimal force within each limit." if CONSTRAINED in ds.tuning.values else ""
     points = max((ds[name].size for name in str(ds.attrs["varied"]).split()), default=1)
     band, linear = ("bars", "crosses") if points < FEWEST_OF_A_LINE else ("shaded", "dotted")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
+from vsb.design.compared import COMPETITOR, FLEXIBLE, TWIN, UNDEFORMED
 from vsb.engine.motion.take_off import Control
 from vsb.report.answer import Answer
 from vsb.study.design import LIMITS, limit_of, unit_of
@@ -41,6 +41,12 @@ def with_unit(value: float | None, unit: str = "1") -> str:
         return "-"
     factor, prefix = prefixed(value, unit)
     return f"{plain(factor * value)} {prefix}{superscripts(unit)}".removesuffix(" 1")
+
+
+def range_with_unit(low: float, high: float, unit: str) -> str:
+    """Return a range with one unit for both ends: "3 to 100 MPa"."""
+    factor, prefix = prefixed(max(abs(low), abs(high)), unit)
+    return f"{plain(factor * low)} to {plain(factor * high)} {prefix}{superscripts(unit)}".removesuffix(" 1")
 
 
 def answer(facts: Facts) -> Answer:
@@ -200,10 +206,10 @@ def size_or_flexibility(facts: Facts) -> list[str]:
             f"A rigid buoy of its shape and mass absorbs {texts[TWIN]}: flexibility itself brings "
             f"{gains_within([ends(facts['over'][TWIN])])[0]}."
         )
-    if SPHERE in texts:
+    if UNDEFORMED in texts:
         found.append(
-            f"A rigid buoy of its shape before inflation absorbs {texts[SPHERE]}: size and flexibility together "
-            f"bring {gains_within([ends(facts['over'][SPHERE])])[0]}."
+            f"A rigid buoy of its shape before inflation absorbs {texts[UNDEFORMED]}: size and flexibility together "
+            f"bring {gains_within([ends(facts['over'][UNDEFORMED])])[0]}."
         )
     return found
 

@@ -8,7 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
+from vsb.design.compared import COMPETITOR, FLEXIBLE, TWIN
+from vsb.report.campaign_figures import FEWEST_OF_A_LINE
 from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
 from vsb.report.design_answer import OBJECTIVES, Facts, in_full
 from vsb.study.design import unit_of
@@ -25,7 +26,7 @@ def look(facts: Facts, name: str) -> dict[str, Any]:
     designs = facts["designs"]
     if name in designs:
         return {**style(designs[name], list(designs.values()), designs.get(COMPETITOR)), "label": name}
-    colour, line = {TWIN: (STYLES[3][0], "--"), SPHERE: STYLES[6]}[name]  # the twin's hull lies on the flexible one's
+    colour, line = (STYLES[3][0], "--") if name == TWIN else STYLES[6]  # the twin's hull lies on the flexible one's
     return {"color": colour, "linestyle": line, "label": name}
 
 
@@ -76,7 +77,9 @@ def pareto(facts: Facts, limit: str) -> Figure:
         line = look(facts, name)
         limits = factor * np.array([one["limit"] for one in some])
         values = [one["quantities"]["annual_mean_power"] / 1e3 if of_power else one["objective"] for one in some]
-        ax.plot(limits, values, **line)
+        ax.plot(
+            limits, values, **(line if len(limits) >= FEWEST_OF_A_LINE else {**line, "linestyle": "", "marker": "o"})
+        )
         for x, y, one in zip(limits, values, some, strict=True):
             ax.plot(x, y, "o", color=line["color"], markerfacecolor=line["color"] if one["accepted"] else "white")
     bracket = "" if unit == "1" else f" [{prefix}{superscripts(unit)}]"

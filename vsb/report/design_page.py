@@ -9,7 +9,18 @@ from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.problem import POWER
 from vsb.engine.motion.damper_matrix import matrix_text
-from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, in_full, may_be_run, with_unit, worth
+from vsb.report.design_answer import (
+    OBJECTIVES,
+    Facts,
+    answer,
+    ends,
+    grouped,
+    in_full,
+    may_be_run,
+    range_with_unit,
+    with_unit,
+    worth,
+)
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import CONTROLLED, unit_of
@@ -111,7 +122,7 @@ def buoys_table(facts: Facts) -> dict[str, Any]:
             rows.append([in_full(key), *map(with_unit, known, units)])
         if key == "damping" and any("matrix" in facts["take_offs"][name] for name in names):
             rows.append(["damper matrix [SI]", *(_matrix(facts["take_offs"][name]) for name in names)])
-    return {"head": ["", *names], "body": rows}
+    return {"head": ["quantity", *names], "body": rows}
 
 
 def _matrix(take_off: Mapping[str, Any]) -> str:
@@ -126,7 +137,7 @@ def variables_table(facts: Facts) -> dict[str, Any]:
     found: dict[str, list[str]] = {}
     for place, name in enumerate((FLEXIBLE, COMPETITOR)):
         for one in facts["found"][name]["variables"]:
-            bounds = f"{with_unit(one['low'], one['unit'])} to {with_unit(one['high'], one['unit'])}"
+            bounds = range_with_unit(one["low"], one["high"], one["unit"])
             row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
             row[2 + place] = with_unit(one["value"], one["unit"])
     return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}

@@ -27,7 +27,7 @@ from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spect
 from vsb.report.response_figures import excitation, rao
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.study.figure_names import OF_THE_RESPONSE
-from vsb.tools.words import superscripts
+from vsb.tools.words import prefixed, superscripts
 
 
 def absorbed_power(data: StudyData) -> Figure:
@@ -167,13 +167,15 @@ def power_energy(data: StudyData, wave: str) -> Figure:
     """Draw absorbed power in the window and absorbed energy over the whole run, the paper's Fig. 10."""
     figure, axes = grid_of_axes(4.6, 2, 1)
     top, bottom = axes[:, 0]
+    largest = max(float(abs(data.runs[design, wave].energy.sel(term="pto")).max()) for design in data.designs)
+    factor, prefix = prefixed(largest, "J")
     for design in data.designs:
         run, line = data.runs[design, wave], data.style(design)
         inside = run.sel(time=slice(*shown_window(data, wave)))
         top.plot(inside.time, inside.power_absorbed / 1e3, **line)
-        bottom.plot(run.time, run.energy.sel(term="pto") / 1e3, **line)
+        bottom.plot(run.time, factor * run.energy.sel(term="pto"), **line)
     top.set(ylabel="absorbed power [kW]", xlabel="time [s]", xlim=shown_window(data, wave))
-    bottom.set(ylabel="absorbed energy [kJ]", xlabel="time [s]", xlim=(0, float(run.time[-1])))
+    bottom.set(ylabel=f"absorbed energy [{prefix}J]", xlabel="time [s]", xlim=(0, float(run.time[-1])))
     for ax in (top, bottom):
         zero_axis(ax)
     legend_above(figure, top)
@@ -187,7 +189,9 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     colours = {"pto": "#0072B2", "radiated": "#56B4E9", "structural": "#E69F00", "drag": "#009E73", "stored": "#999999"}
     names = {"pto": "power take-off", "structural": "structural damping"}
     rows = np.arange(len(data.designs))
-    final = [data.runs[design, wave].energy.isel(time=-1) / 1e3 for design in data.designs]
+    final = [data.runs[design, wave].energy.isel(time=-1) for design in data.designs]
+    factor, prefix = prefixed(max(float(abs(one).max()) for one in final), "J")
+    final = [factor * one for one in final]
     left = {True: np.zeros(len(rows)), False: np.zeros(len(rows))}
     there = set.intersection(*(set(one.term.values) for one in final))
     for term, colour in ((term, colour) for term, colour in colours.items() if term in there):
@@ -204,7 +208,7 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     ax.margins(x=0.06)
     ax.axvline(0, color="black", linewidth=0.8)
     given_up = "; stored below 0: given up by the motion it started with" if left[False].min() < 0 else ""
-    ax.set(xlabel=f"energy over the run [kJ]{given_up}")
+    ax.set(xlabel=f"energy over the run [{prefix}J]{given_up}")
     legend_above(figure, ax)
     return figure
 

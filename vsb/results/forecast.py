@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, optimum
 from vsb.engine.motion.controller import achieved
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import damper_within_force, mean_power
@@ -47,28 +47,29 @@ def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) ->
     Each keeps the rms force of the level `causal` in its own sea, and has no forecast. It stays stable: its loop is
     that of the same port. Seas without a peak period of their own, as records, have no lines.
     """
-    pto, found = study.pto, []
+    pto, noise, found = study.pto, study.pto.control.noise, []
     for wave in waves:
         if not isinstance(wave, PeakedSea):
             continue
         seas = [wave.model_copy(update={"tp": factor * wave.tp}) for factor in PERIODS]
         seas = [one for one in seas if one.share_above(floating.band[1]) < LEFT_OUT]
-        tuned: dict[tuple[str, float], tuple[StationaryPort, ComplexArray]] = {}
+        tuned: dict[tuple[str, float], tuple[StationaryPort, ComplexArray, Controlled]] = {}
         for one in seas:
             sea = expected_sea(study, one, floating.linear.database)
             for design, port in stationary_ports(floating, one, sea).items():
                 with contextlib.suppress(VsbError):  # no control keeps the stroke
                     seen, squares, _ = port_in_seas(floating, design, [(one, sea)])
                     limits = rms_limits(pto, seen, squares[0])
-                    best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
+                    best = optimum(port, limits, noise, 0.0, pto.efficiency)
                     if best.power > 0:
-                        tuned[design, one.tp] = port, port.controller(best.weights, pto.control.noise)
-        for (design, period), (port, own) in tuned.items():
+                        tuned[design, one.tp] = port, port.controller(best.weights, noise), best
+        for (design, period), (port, own, best) in tuned.items():
             if (design, wave.tp) not in tuned:
                 continue
-            home, gain = tuned[design, wave.tp]
-            there = np.interp(port.omega, home.omega, gain)
-            reached = *achieved(port, there), *achieved(port, own)
+            home, gain, _ = tuned[design, wave.tp]
+            there = achieved(port, np.interp(port.omega, home.omega, gain), noise)
+            power, force = np.divide(there, achieved(port, own, noise))  # what their grids leave out is alike
+            reached = float(power) * best.power, float(force) * best.force_rms, best.power, best.force_rms
             found.append(Elsewhere(design, wave.family, period, *reached))
     return found
 

@@ -16,13 +16,13 @@ from vsb.design.compared import (
     COMPETITOR,
     FLEXIBLE,
     SHAPE_POINTS,
-    SPHERE,
     TWIN,
+    UNDEFORMED,
     Buoy,
     buoy_of,
     gain,
-    sphere,
     twin,
+    undeformed,
 )
 from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import Evaluation, Quantity
@@ -60,7 +60,7 @@ def run_design_results(
     ends = {FLEXIBLE: outcomes(starts, spec.starts), COMPETITOR: outcomes(starts, spec.rigid_starts)}
     found = {name: best(some) for name, some in ends.items()}
     buoys = {name: buoy_of(name, search, found[name]) for name, search in _searches(spec).items()}
-    for one in (twin(spec, seas, found[FLEXIBLE]), sphere(spec, seas, found[FLEXIBLE])):
+    for one in (twin(spec, seas, found[FLEXIBLE]), undeformed(spec, seas, found[FLEXIBLE])):
         buoys |= {one.name: one} if one else {}
     known = Known(spec, seas, {name: one.power for name, one in buoys.items()}, _runs(spec, verifications))
     curves = _fronts(spec, known, fronts)
@@ -251,7 +251,7 @@ def _facts(
         "powers": {name: known.power(one) for name, one in buoys.items()},
         "quantities": {name: dict(one.quantities) for name, one in buoys.items()},
         "take_offs": {name: _take_off(one) for name, one in buoys.items()},
-        "over": {name: known.gain(buoys[FLEXIBLE], one) for name, one in buoys.items() if name in (TWIN, SPHERE)},
+        "over": {name: known.gain(buoys[FLEXIBLE], one) for name, one in buoys.items() if name in (TWIN, UNDEFORMED)},
         "gain": {key: of_gain[key] for key in ("value", "low", "high")},
         "objectives": known.objectives(buoys),
         "budget": of_gain["budget"],

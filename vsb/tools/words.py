@@ -11,7 +11,12 @@ PRESSURES = ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (0.0, 1.0, "Pa"))
 """Smallest pressure [Pa], factor to its unit, unit."""
 
 _LARGE = ((1e7, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))
-PREFIXES = {"N": _LARGE, "W": _LARGE, "Pa": ((1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))}
+PREFIXES = {
+    "N": _LARGE,
+    "W": _LARGE,
+    "J": _LARGE,
+    "Pa": ((1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, "")),
+}
 """Smallest value, factor and prefix of units, and of others in terms of them: N s/m, N/m."""
 
 TENFOLD = 900.0
@@ -48,7 +53,7 @@ def superscripts(unit: str) -> str:
 
 
 def prefixed(value: float, unit: str) -> tuple[float, str]:
-    """Return the factor and the prefix that suit a value of a unit: k, M or G of large ones of N, W or Pa.
+    """Return the factor and the prefix that suit a value of a unit: k, M or G of large ones of N, W, J or Pa.
 
     Examples
     --------
@@ -56,7 +61,8 @@ def prefixed(value: float, unit: str) -> tuple[float, str]:
     ((0.001, 'k'), (1.0, ''))
     """
     known = PREFIXES.get(unit.split()[0].partition("/")[0], ((0.0, 1.0, ""),))
-    return next((factor, prefix) for least, factor, prefix in known if abs(value) >= least)
+    printed = abs(float(f"{value:.4g}"))  # 9999.99 N is 10 kN, as 10000 N is
+    return next((factor, prefix) for least, factor, prefix in known if printed >= least)
 
 
 def quantity(value: object, unit: str) -> str:

@@ -71,10 +71,19 @@ class Controller:
         return bool(abs(turned[-1] - turned[0]) < 1.0), float(np.abs(closed / (1 - of_force)).min())
 
 
-def achieved(port: StationaryPort, gain: ComplexArray) -> tuple[float, float]:
-    """Return the mean power [W] and the rms force [N] of F = K F_e in a sea, measured without noise."""
-    square = port.integral(np.abs(gain) ** 2 * port.excitation)
-    return port.integral(port.absorbed(gain)), float(np.sqrt(square))
+def achieved(port: StationaryPort, gain: ComplexArray, noise: float = 0.0) -> tuple[float, float]:
+    """Return the mean power [W] and the rms force [N] of F = K (F_e + noise) in a sea.
+
+    Parameters
+    ----------
+    gain : ndarray, shape (omega,) [-]
+        K, see `StationaryPort.controller`.
+    noise : float [-]
+        Density of the noise over the peak of that of F_e.
+    """
+    square, density = np.abs(gain) ** 2, noise * port.excitation.max(initial=0.0)
+    power = port.integral(port.absorbed(gain) - port.admittance.real * square * density)
+    return power, float(np.sqrt(port.integral(square * (port.excitation + density))))
 
 
 def within_limit(port: StationaryPort, best: Controlled, noise: float, limit: float) -> ComplexArray:

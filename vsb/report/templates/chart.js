@@ -18,10 +18,14 @@ function signed(value, decimals) {
   return `${value < 0 && Number(size) !== 0 ? "−" : "+"}${size}`;
 }
 
-/** The numbers of an axis, all of them with exponents if one needs it. */
+/** The numbers of an axis, all of them with powers of ten if one needs it: 10⁵, 2·10⁵. */
 function alike(values) {
   if (!values.some((value) => plain(value).includes("e"))) return values.map(plain);
-  return values.map((value) => (value === 0 ? "0" : Number(value.toPrecision(4)).toExponential().replace("e+", "e")));
+  const raised = (power) => [...power].map((digit) => (digit === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit])).join("");
+  return values.map((value) => {
+    const [factor, power] = Number(value.toPrecision(4)).toExponential().replace("+", "").split("e");
+    return value === 0 ? "0" : `${factor === "1" ? "" : `${factor}·`}10${raised(power)}`;
+  });
 }
 
 /** An element of SVG with attributes. */
@@ -78,7 +82,7 @@ function chart(svg, { x, y, curves, areas = [], marks = [], words, width = CHART
   }
   frame.append(drawn("text", { x: (left + width - right) / 2, y: height - 6, class: "middle" }, x.label));
   const middle = (top + height - bottom) / 2;
-  const turned = { x: 12, y: middle, class: "middle", transform: `rotate(-90 12 ${middle})` };
+  const turned = { x: 15, y: middle, class: "middle", transform: `rotate(-90 15 ${middle})` };
   frame.append(drawn("text", turned, y.label));
   const line = (of) => Array.from(of.x, (v, i) => `${across(v).toFixed(2)} ${up(of.y[i]).toFixed(2)}`).join("L");
   for (const area of areas) {

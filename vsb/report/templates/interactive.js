@@ -10,7 +10,6 @@ class InteractiveStudy {
     this.bands = data.bands.map(unpackedGrid);
     this.limit = unpacked(data.limit);
     root.querySelector('[data-part="bound"]').textContent = data.bound;
-    root.querySelector('[data-part="limited-by"]').hidden = !data.bound; // none is known of a body
     this.reference = data.designs.findIndex((design) => design.reference);
     this.damping = null; // each design at its optimal damping
     this.part = (name) => root.querySelector(`[data-part="${name}"]`);
@@ -111,6 +110,11 @@ class InteractiveStudy {
     this.part("dampers").hidden = how !== "damper";
     this.part("limits").hidden = how !== "limited";
     this.part("over-band").parentNode.hidden = how === "within" || how === "limited"; // such a force mixes frequencies
+    const banded = !this.part("over-band").parentNode.hidden;
+    this.part("common").hidden = how === "damper" ? this.damping === null : how !== "limited";
+    this.part("at-wave").hidden = !banded || this.squares.length > 1;
+    this.part("spectrum").hidden = !banded || this.squares.length === 1;
+    this.part("limited-by").hidden = !banded || !this.data.bound; // none is known of a body
     const found = this.absorbed();
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
