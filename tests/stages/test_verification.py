@@ -12,6 +12,8 @@ from stages.test_members import BASE, batches, gather, parsed, with_seas
 from vsb.engine.hydro.database import save_database
 from vsb.engine.motion.port import LinearPto
 from vsb.report.campaign_answer import answer as answer_of
+from vsb.report.campaign_page import warnings
+from vsb.results.campaign import with_verification
 from vsb.results.verification import DesignInTime
 from vsb.stages import campaign_report, verification
 from vsb.stages.body_preview import check
@@ -129,6 +131,20 @@ def test_runs_under_a_matrix_that_acts_on_heave_alone_are_those_of_a_damper(fold
         (one,), (other,) = simulated(alone), simulated(matrix)
     np.testing.assert_allclose(other.run_power, one.run_power, rtol=1e-5)
     np.testing.assert_allclose(other.corrected_mean_power, one.corrected_mean_power, rtol=1e-5)
+
+
+def test_points_whose_runs_fail_keep_their_linear_year(checked):
+    """The page says which run failed; where all did it answers by linear theory."""
+    plan, runs, found = checked
+    why = "FSB in a sea of Hs 4 m and Te 9 s: the motion cannot be followed"
+    lost = [one.where(False).assign_attrs(one.attrs, failure=why) for one in runs]
+    some, none = (with_verification(plan.campaign, found, chosen) for chosen in ([lost[0], runs[1]], lost))
+    for ds in (some, none):
+        assert f"Of a point whose runs failed there is linear theory alone: {why}" in warnings(ds)
+        assert bool(ds.annual_mean_power.notnull().all())
+    assert " by body-exact " in answer_of(some, "FSB", "one")
+    assert "mass 17000" in answer_of(some, "FSB", "one")
+    assert "body-exact" not in answer_of(none, "FSB", "one")
 
 
 def test_designs_that_are_not_viable_are_not_simulated(folder):

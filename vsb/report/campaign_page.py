@@ -191,6 +191,7 @@ def warnings(ds: xr.Dataset) -> list[str]:
             f"Time-domain runs correct the answer ({ds.attrs['verification']}). Figures of power and other tunings are "
             "linear theory; their intervals contain numerical errors only.",
             *_unresolved(ds),
+            *_failed(ds),
             "Intervals of time-domain runs are 95 % intervals of mean power (measured coverage 93 to 97 %). For "
             "quantities set by a few storms (breaking, limits, large deformation) coverage is 77 to 95 % with 12 seas, "
             "89 to 96 % with 24.",
@@ -236,6 +237,12 @@ def _unresolved(ds: xr.Dataset) -> list[str]:
         return []
     names = [str(one.design.item()) for one in at.design if bool(open_.sel(design=one).any())]
     return [f"The interval of the gain of {', '.join(names)} includes zero: more verify.seas would narrow it."]
+
+
+def _failed(ds: xr.Dataset) -> list[str]:
+    """Runs in time that failed, and why."""
+    failed = ds.attrs.get("failed_runs", "").splitlines()
+    return [f"Of a point whose runs failed there is linear theory alone: {one}" for one in failed]
 
 
 def _warned_of_optima(ds: xr.Dataset) -> list[str]:

@@ -136,6 +136,7 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
             "verification": f"tuning {tuning}: {runs[0].attrs['runs']}",
             "verified_tuning": tuning,
             "verified_model": model,
+            "failed_runs": "\n".join(sorted({one.attrs.get("failure", "") for one in runs} - {""})),
         }
     )
 

@@ -51,14 +51,23 @@ from vsb.tools.files import save
 
 
 def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
-    """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
+    """Simulate the seas drawn from a member's year and write what they say about its designs that are viable.
+
+    Where a run fails the corrected year has no values, and the attribute `failure` says which run and why.
+    """
     seas, system = read_climate(spec.climate, climate), spec.system
     study = system if isinstance(system, BodySystem) else spec.simulated
     (rest, floating), found = at_rest(study, spec, root), xr.Dataset(coords={"design": []})
+    failure = ""
     if rest.designs:
-        found = _of_viable(spec, with_designs(study, rest.designs), floating(), seas, root)
+        try:
+            found = _of_viable(spec, with_designs(study, rest.designs), floating(), seas, root)
+        except (ConvergenceError, StabilityError) as error:  # linear theory of this member stands
+            failure = str(error)
+            print(failure, flush=True)
     found = with_all_designs(found, list(study.designs), study.reference_design)
-    save(found.assign_attrs(runs=in_words(spec.verify), model=spec.verify.model, **stamp(spec)), out)
+    words = {"runs": in_words(spec.verify), "model": spec.verify.model, "failure": failure}
+    save(found.assign_attrs(**words, **stamp(spec)), out)
 
 
 def in_words(verify: Verify) -> str:
@@ -151,7 +160,7 @@ def under_schedules(
         except StabilityError as error:
             hs, te = (float(centres[row]) for centres in bins.centres)
             where = f"{name} in the bin of Hs {hs:.3g} m and Te {te:.3g} s"
-            raise StabilityError(f"verify: {where}: {error}") from None
+            raise StabilityError(f"{where}: {error}") from None
 
     return lambda name, sea: in_bin(name, int(np.searchsorted(bins.occupied, bins.index[sea])))
 
@@ -220,6 +229,6 @@ def runs_in_time(
                 decayed = settings.window[0] >= DECAYS * decay
                 found[:, i, j] = run, steady if decayed else design.from_rest(sea, settings), steady
             except (ConvergenceError, StabilityError) as error:
-                raise type(error)(f"verify: {where}: {error}") from None
+                raise type(error)(f"{where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)
     return found
