@@ -16,6 +16,7 @@ from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.motion.damper_matrix import best_matrix
 from vsb.engine.motion.take_off import SeveralPorts
+from vsb.engine.motion.tuning import powers_of_all
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.further_modes import reach_of_modes
@@ -88,6 +89,9 @@ def differences(model, variable, part):
         ("VSWEC", {"reference_shape": "undeformed"}, "device.mass"),
         ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5}}, "pto.damping"),
         ("FSB", {"pto": {"stiffness": -5e3}}, "pto.stiffness"),
+        ("FSB", {"pto": {"stiffness": -3e4, "efficiency": 0.8}}, "pto.stiffness"),
+        ("VSWEC", {"pto": {"stiffness": 2e4, "efficiency": 0.9}}, "device.internal_pressure"),
+        ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5, "efficiency": 0.8}}, "pto.damping"),
         ("VSWEC90", {"designs": {"VSWEC90": {"clamp": 80}}}, CLAMP),
         ("VSWEC", {}, "device.damping.beta"),
         ("VSWEC", PORT | {"pto": {"port": "volume"}}, "device.radius"),
@@ -216,6 +220,27 @@ def test_power_of_the_optimal_damper_does_not_change_with_the_damper(climate):
     assert given["annual_mean_power"].value == pytest.approx(power.value, rel=1e-12)
     assert given["annual_mean_power"].gradient[0] == pytest.approx(power.gradient[0], rel=1e-9)
     assert abs(given["annual_mean_power"].gradient[1]) * best["damping"].value < 1e-9 * power.value
+
+
+def test_power_after_conversion_is_that_of_each_sea(climate):
+    """In every sea that of the engine, with the damper that absorbs most; without a spring eta times that at the port."""
+    density = np.array([[0.4, 0.6, 0.0], [0.3, 0.0, 0.0], [0.0, 0.1, 0.2]])
+    seas = Climate.of_spectra(climate.omega, density, np.array([0.5, 0.2, 0.3]), "three seas")
+    study = study_of(pto={"stiffness": -3e4, "efficiency": 0.7})
+    model = DesignModel.of(study, "VSWEC", seas, [])
+    found, grid = model.at([]).quantities, model.grid
+    port, band = campaigns_buoy(model).ports(0.0)["VSWEC"], np.searchsorted(seas.edges, grid.omega) - 1
+    squares = 2 * density[:, band] * grid.variance / seas.mean_density[band]
+    dampers = found["damping"].value * np.array([0.99, 1.0, 1.01])
+    powers = powers_of_all(port, squares, dampers, np.full(3, -3e4), 0.7)
+    year = powers @ seas.hours
+    assert found["annual_mean_power"].value == pytest.approx(year[1], rel=1e-7)
+    assert year[1] == year.max()
+    plain, lossy = (
+        model_of(study_of(pto={"efficiency": part}), "FSB", seas, []).at([]).quantities for part in (1.0, 0.7)
+    )
+    assert lossy["annual_mean_power"].value == pytest.approx(0.7 * plain["annual_mean_power"].value, rel=1e-12)
+    assert lossy["damping"].value == pytest.approx(plain["damping"].value, rel=1e-9)
 
 
 def test_what_cannot_be_evaluated_is_named(climate):

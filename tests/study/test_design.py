@@ -175,7 +175,6 @@ def test_errors_in_a_design_file(folder, changes, message):
         ({"pto": {"damping": 8000.0, "force_limit": 1000.0}}, "a nonlinear take-off"),
         ({"pto": {"damping": 8000.0, "port": "volume"}}, "pto.port that a rigid buoy does not move.*needs heave"),
         ({"pto": {"damping": 8000.0, "port": {"colatitude": 0, "against": "frame"}}}, "a rigid buoy does not move"),
-        ({"pto": {"damping": 8000.0, "efficiency": 0.9}}, r"design.yaml:2: study: pto.efficiency: received 0.9"),
         ({"pto": {"control": {"force_rms": 1e3}}}, r"study: pto.control.force_rms: received 1000; that of a design is"),
     ],
 )
@@ -184,6 +183,16 @@ def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, mess
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     with pytest.raises(ConfigError, match=message):
         load_design(written(folder))
+
+
+def test_what_is_known_without_losses_alone_is_refused_with_an_efficiency(folder):
+    raw = {**yaml.safe_load(SEED.read_text()), "pto": {"efficiency": 0.9}}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    load_design(written(folder))
+    with pytest.raises(ConfigError, match=r"tuning: received causal with pto.efficiency 0.9 .* or tuning: one"):
+        load_design(written(folder, tuning="causal", limits={"force_rms": 1e4}))
+    with pytest.raises(ConfigError, match=r"verify: received with pto.efficiency 0.9"):
+        load_design(written(folder, verify={"seas": 8}))
 
 
 def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):

@@ -153,6 +153,8 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
         )
     elif buoy.control:
         omega, absorbed, lost = ControlledYear(port, buoy.control, buoy.study.pto.control).absorbed
+    elif buoy.study.pto.efficiency < 1:
+        return model.converted(buoy.study, port).of_seas(buoy.quantities["damping"])
     else:
         omega, absorbed = model.grid.omega, port.absorbed(buoy.quantities["damping"])
     of_band = np.histogram(omega, climate.edges, weights=absorbed)[0]

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.linearised import linearised
 from vsb.design.optimise import FURTHER, left_out, optimised
@@ -22,7 +23,7 @@ from vsb.design.year import PortYear, YearMotion
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.climate import Climate
-from vsb.study.design import OF_RIGID, Variable, comparable, of_designs
+from vsb.study.design import LEAST_STROKE, OF_RIGID, Variable, comparable, limit_of, of_designs
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
@@ -137,10 +138,12 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
         study = study_of(search, found.degree, point)
         keys = [one.key for one in free]
         model = searching(search, study, climate, keys, found.degree)
-        limits = {key: value for key, value in search.kept.items() if key in OF_TAKE_OFF}
+        limits = {key: value for key, value in search.kept.items() if limit_of(key) in OF_TAKE_OFF}
         problem = Problem(model, free, POWER, with_rest(limits, free))
         place = problem.place([found.point[key] for key in keys])
         end = optimised(problem, problem.at(place))
+        if LEAST_STROKE in limits and end.violation > VIOLATION:
+            return None
         values = dict(zip(keys, map(float, end.point.values), strict=True))
         quantities = {key: one.value for key, one in end.point.evaluation.quantities.items()}
         study = study_of(search, found.degree, point | values)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from vsb.design.year import Damper, FrequencyGrid, PortYear, band, chebyshev
-from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.causal import KEPT, Controlled, RmsLimits, StationaryPort, optimum, steadiest
 from vsb.engine.motion.causal_slopes import Slopes, slopes
 from vsb.engine.motion.take_off import Control
 from vsb.engine.waves.climate import Climate
@@ -95,8 +95,21 @@ class ControlledYear:
 
     @cached_property
     def found(self) -> Controlled:
-        """The optimum; raises `StabilityError` if no control keeps the stroke."""
+        """The optimum, or, where no control keeps the stroke, the one with the least: a search looks beyond limits."""
+        if not self.keeps_stroke:
+            return self.steadiest
         return optimum(self.port, self.limits, self.control.noise, self.control.forecast)
+
+    @cached_property
+    def steadiest(self) -> Controlled:
+        """The control with the least stroke."""
+        return steadiest(self.port, self.limits.force, self.control.noise, self.control.forecast)
+
+    @property
+    def keeps_stroke(self) -> bool:
+        """Whether some control keeps the stroke."""
+        limit = self.limits.stroke
+        return bool(np.isinf(limit)) or self.steadiest.stroke_rms <= limit * (1 + KEPT)
 
     @cached_property
     def damper(self) -> Damper | None:
@@ -123,9 +136,20 @@ class ControlledYear:
     @property
     def slopes(self) -> Slopes:
         """Derivatives of power and mean squares by the variables."""
+        return self._slopes(self.found, steadiest=not self.keeps_stroke)
+
+    @property
+    def least_stroke(self) -> tuple[float, FloatArray]:
+        """Least rms stroke within the limit of force [m], and its derivatives by the variables, shape (variable,)."""
+        rms = self.steadiest.stroke_rms
+        return rms, self._slopes(self.steadiest, steadiest=True).stroke / (2 * rms)
+
+    def _slopes(self, found: Controlled, *, steadiest: bool) -> Slopes:
+        """Derivatives of an optimum."""
         grid, year = self._grid, self.year
         admittance = grid.throughout(-1j * grid.omega * year.receptance_change)
         admittance = np.where(self.port.admittance.real > 0, admittance.real, 0.0) + 1j * admittance.imag
         moved = 2 * np.real(year.motion.conj() * year.motion_change)
         density = grid.throughout(grid.omega**2 * grid.variance * moved / grid.spacing)
-        return slopes(self.port, self.found, admittance, density, self.control.noise, self.control.forecast)
+        known = self.control
+        return slopes(self.port, found, admittance, density, known.noise, known.forecast, steadiest=steadiest)

@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.controlled import ControlGrid, ControlledYear, controlled_band
-from vsb.design.fatigue import damage
+from vsb.design.converted import ConvertedYear
+from vsb.design.fatigue import SeaMoments, damage
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import CLAMPED, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
@@ -21,7 +22,7 @@ from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.campaign import sections, study_at
-from vsb.study.design import ANGLE, CLAMP, NUMBERED, VARIABLES, Fatigue, is_variable
+from vsb.study.design import ANGLE, CLAMP, LEAST_STROKE, NUMBERED, VARIABLES, Fatigue, is_variable
 from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -210,16 +211,17 @@ class DesignModel:
         Returns
         -------
         Evaluation
-            `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable; `damping`, that
-            damper [N s/m]; or, without `damping`, under one causal controller, or the damper matrix of several ports
-            that absorbs most; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m], of one port
-            that is not spread over the shell; `beam` and `draft`
-            of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
-            `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
-            the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a spring
-            below zero over that at which it ceases to rest stably [-]; the `cost`, with prices. If the study has a
-            flexible design also the four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-],
-            and `static_strain`, the largest membrane strain at rest [-].
+            `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable, after conversion
+            with the efficiency of the take-off; `damping`, that damper [N s/m]; or, without `damping`, under one causal
+            controller, or the damper matrix of several ports that absorbs most; root mean squares of the take-off's
+            `force_rms` [N] and `stroke_rms` [m], of one port that is not spread over the shell; under causal control
+            with a limit of stroke `stroke_rms_least` [m], the least that control within the force keeps; `beam` and
+            `draft` of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the
+            port `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by
+            which the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a
+            spring below zero over that at which it ceases to rest stably [-]; the `cost`, with prices. If the study has
+            a flexible design also the four largest inverse load factors of buckling `load_factor_inverse_0` to `_3`
+            [-], and `static_strain`, the largest membrane strain at rest [-].
 
         Raises
         ------
@@ -308,6 +310,9 @@ class DesignModel:
         port = PortYear.of(motion)
         steadiness = {"spring_share": _spring_share(k, k_change, motion.buoy, motion.change)}
         controlled = ControlledYear(port, self.control, study.pto.control) if self.control else None
+        converted = None if controlled or study.pto.efficiency == 1 else self.converted(study, port)
+        if controlled and np.isfinite(controlled.limits.stroke):
+            steadiness[LEAST_STROKE] = Quantity(*controlled.least_stroke)
         if controlled and controlled.damper is None:
             found = _controlled(controlled)
             return replace(found, quantities={**found.quantities, **steadiness})
@@ -315,6 +320,8 @@ class DesignModel:
             c, c_change, *_ = controlled.damper
         elif is_damper.any():
             c, c_change = study.pto.damper(self.design) or 0.0, is_damper
+        elif converted:
+            c, c_change = converted.optimal_damping, converted.optimal_damping_change(k_change)
         else:
             c = port.optimal_damping
             c_change = port.optimal_damping_change(c)
@@ -322,14 +329,22 @@ class DesignModel:
         stroke, stroke_change = port.mean_square(c, np.ones_like(self.grid.omega), c_change)
         force = np.sqrt(c**2 * speed + k**2 * stroke)
         half = c**2 * speed_change / 2 + c * c_change * speed + k**2 * stroke_change / 2 + k * k_change * stroke
+        power = Quantity(c * speed, c * speed_change + c_change * speed)
+        if converted:
+            *by, by_damper = converted.slopes(c, k_change)
+            power = Quantity(float(self.climate.hours @ converted.of_seas(c)), np.array(by) + by_damper * c_change)
         quantities = {
-            "annual_mean_power": Quantity(c * speed, c * speed_change + c_change * speed),
+            "annual_mean_power": power,
             **({} if controlled else {"damping": Quantity(c, c_change)}),
             "force_rms": Quantity(float(force), half / force),
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
         }
         worth = {"force_rms": controlled.damper.worth} if controlled and controlled.damper else {}
         return Evaluation(quantities | steadiness, worth)
+
+    def converted(self, study: Study, port: PortYear) -> ConvertedYear:
+        """Return the year of a port whose power is converted with an efficiency."""
+        return ConvertedYear(port, SeaMoments(self.grid, self.climate), study.pto.efficiency, study.pto.stiffness)
 
     def _year_of_several(self, study: Study, year: SeveralYear) -> Evaluation:
         """Power at several ports, or of a damper spread over the shell, and the dampers."""
@@ -370,7 +385,7 @@ def _controlled(year: ControlledYear) -> Evaluation:
         ("force_rms", limits.force, found.force_rms, slopes.force, found.weights.force),
         ("stroke_rms", limits.stroke, found.stroke_rms, slopes.stroke, found.weights.stroke),
     ):
-        binds = rms > limit * (1 - KEPT)
+        binds = limit * (1 - KEPT) < rms <= limit * (1 + KEPT)
         quantities[name] = Quantity(limit if binds else rms, change / (2 * rms))
         if binds:
             worth[name] = 2 * weight * limit**2 / found.power

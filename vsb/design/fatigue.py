@@ -38,11 +38,11 @@ class SeaMoments:
     grid: FrequencyGrid
     climate: Climate
 
-    def of(self, values: FloatArray) -> FloatArray:
+    def of(self, values: AnyArray) -> AnyArray:
         """Return int S values dw of every sea, shape (..., sea), from values at the frequencies, (..., omega)."""
         return np.asarray(self._bands(values) @ self.climate.density.T)
 
-    def back(self, weights: FloatArray) -> FloatArray:
+    def back(self, weights: AnyArray) -> AnyArray:
         """Return the sum over seas of weights (sea,) times S dw at each frequency, shape (omega,)."""
         return np.asarray((weights @ self.climate.density)[self._band] * self._width)
 
@@ -56,7 +56,7 @@ class SeaMoments:
         """Width dw of each frequency [rad/s]."""
         return np.asarray(self.grid.variance / self.climate.mean_density[self._band])
 
-    def _bands(self, values: FloatArray) -> FloatArray:
+    def _bands(self, values: AnyArray) -> AnyArray:
         """Integrals over the bands, shape (..., band)."""
         one_of_each = np.zeros((len(self.grid.omega), len(self.climate.omega)))
         one_of_each[np.arange(len(one_of_each)), self._band] = self._width

@@ -16,7 +16,7 @@ import numpy as np
 
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.study.design import DIVISORS, OF_WAVES, PARTS, Objective, Variable
+from vsb.study.design import DIVISORS, OF_WAVES, PARTS, Objective, Variable, limit_of
 from vsb.tools.arrays import FloatArray
 
 POWER: Literal["annual_mean_power"] = "annual_mean_power"
@@ -152,7 +152,7 @@ class Problem:
         """The problem of its limits at rest, without waves and objective; None if what it is at rest is not known."""
         if self.resting is None:
             return None
-        limits = {name: limit for name, limit in self.limits.items() if name not in OF_WAVES}
+        limits = {name: limit for name, limit in self.limits.items() if limit_of(name) not in OF_WAVES}
         return replace(self, model=self.resting, limits=limits, twin=None, margins=None, known={})
 
     def rescaled(self, point: Point) -> "Problem":

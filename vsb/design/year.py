@@ -19,7 +19,7 @@ from vsb.engine.hydro.spectral.meridian import unit_rule
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_damper_of_each
 from vsb.engine.waves.climate import Climate
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError, DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 
@@ -227,10 +227,14 @@ class PortYear:
 
     @property
     def optimal_damping(self) -> float:
-        """The damper that absorbs most over the year [N s/m]."""
-        w = self.grid.omega
-        port = Port(w, -1j * w * self.receptance, -1j * w * self.motion, 0.0)
-        found = float(best_damper_of_each([port], 2 * self.grid.variance)[0])
+        """The damper that absorbs most over the year [N s/m]; raises `ConvergenceError` if the port is not passive."""
+        waves = self.grid.variance > 0
+        w, y = self.grid.omega[waves], self.receptance[waves]
+        try:
+            port = Port(w, -1j * w * y, -1j * w * self.motion[waves], 0.0)
+        except DatabaseError:
+            raise ConvergenceError("the water about it is not resolved: it would give energy to its take-off") from None
+        found = float(best_damper_of_each([port], 2 * self.grid.variance[waves])[0])
         for _ in range(3):  # Newton's method in log c, from an error of 1e-8
             slope, bend, _ = self._optimality(found)
             found *= float(np.exp(-slope / (bend * found)))

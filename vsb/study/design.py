@@ -52,6 +52,8 @@ DesignTuning = Literal["one", "causal"]
 """Take-off of a design: one damper for the year, or one causal controller."""
 CONTROLLED = ("force_rms", "stroke_rms")
 """Limits that a causal controller keeps itself."""
+LEAST_STROKE = "stroke_rms_least"
+"""Least stroke of control within the force: what the search limits, for the controller to keep its limit of stroke."""
 DIVISORS = {
     "power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface", "power_per_cost": "cost",
 }  # fmt: skip
@@ -65,6 +67,7 @@ QUANTITIES = {
     "gain_percent": Key("%", "", "gain of mean power over the reference design"),
     "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable", "damping_unit"),
     **{name: KEYS["Limits"][name] for name in LIMITS},
+    LEAST_STROKE: Key("m", "", "least rms stroke of any causal control within the limit of its force", "motion_unit"),
     "spring_pull_above": Key("-", "", "pull of a spring below zero at the rms stroke over the weight"),
     "spring_pull_below": Key("-", "", "the same over the buoyancy left"),
     "spring_share": Key("-", "", "stiffness of a spring below zero over that at which the buoy rests no more"),
@@ -110,6 +113,8 @@ _FORMS = "[lowest, highest] or {log: [lowest, highest]}"
 
 def limit_of(part: str) -> str:
     """Return the limit a part is of."""
+    if part == LEAST_STROKE:
+        return "stroke_rms"
     return next((limit for limit, parts in PARTS.items() if part in parts), part)
 
 
@@ -369,7 +374,8 @@ class LoadedDesign(Section):
         found: dict[str, Any] = sections(self.base)["pto"]
         if self.problem.competitor.port is None:
             return found
-        kept = ("damping", "stiffness", "tuning", "control") if comparable(self.base.pto) else ("control",)
+        own = ("damping", "stiffness", "tuning") if comparable(self.base.pto) else ()
+        kept = ("control", "efficiency", *own)
         return {"tuning": "each"} | {key: value for key, value in found.items() if key in kept}
 
     @property
@@ -460,6 +466,11 @@ class LoadedDesign(Section):
                 f"optimise: none given of the flexible designs {', '.join(flexible)}; {flexible[0]}, the first by "
                 "name, is optimised"
             )
+        if self.base.pto.efficiency < 1:
+            found.append(
+                f"pto.efficiency: powers are after conversion, with an efficiency {self.base.pto.efficiency:g} in both "
+                "directions of power"
+            )
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
         if bound and "pto.damping" not in keys and problem.tuning != CAUSAL:
             found.append(
@@ -541,8 +552,6 @@ def read(raw: object, source: str) -> LoadedDesign:
         study_at(loaded.sections, {})
     except ConfigError as error:
         mistakes.end("study", str(error).removeprefix("with nothing varied: "))
-    if study.pto.efficiency != 1.0:
-        mistakes.end("study", f"pto.efficiency: received {study.pto.efficiency:g}; a design needs 1")
     if (force := study.pto.control.force_rms) < math.inf:
         mistakes.end("study", f"pto.control.force_rms: received {force:g}; that of a design is limits.force_rms")
     return loaded
@@ -611,6 +620,12 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
             "maximise",
             "received gain, over the rigid buoy of the same shape, which has another take-off (competitor.port); needs "
             "annual_mean_power or a quotient",
+        )
+    if problem.verify and pto.efficiency < 1:
+        mistakes.add(
+            "verify",
+            f"received with pto.efficiency {pto.efficiency:g} of {problem.study}; runs in time of designs know the "
+            "power at the port alone, needs 1",
         )
     if problem.verify and pto.several:
         mistakes.add("verify", "received with several ports, or the whole shell; runs in time of designs need one port")
@@ -713,6 +728,12 @@ def _check_control(problem: Optimisation, study: Study, mistakes: _Mistakes) -> 
             "tuning",
             f"received causal, and {problem.study} has pto.stiffness {study.pto.stiffness:g}; the controller is the "
             "whole force, needs 0",
+        )
+    if study.pto.efficiency < 1:
+        mistakes.add(
+            "tuning",
+            f"received causal with pto.efficiency {study.pto.efficiency:g} of {problem.study}; the best controller of "
+            "a year is known without losses alone, needs 1, or tuning: one",
         )
     if problem.fatigue:
         mistakes.add(

@@ -24,7 +24,7 @@ from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Name, Section
 from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import CAUSAL, Constrained, Scatter, Spectra, Tunings, Verify
-from vsb.study.design import CONTROLLED, DesignTuning, Fatigue, Objective, Variable
+from vsb.study.design import CONTROLLED, LEAST_STROKE, DesignTuning, Fatigue, Objective, Variable
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import BodyDrag, Drag
 from vsb.study.sections import Design, Hydro, Modes, RestShape
@@ -32,8 +32,8 @@ from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
 from vsb.study.vary import Vary
 
 PHYSICS = {
-    "block": 4, "body": 1, "campaign": 1, "compare": 8, "database": 1, "design_front": 6,
-    "design_results": 9, "design_start": 8, "design_verification": 5, "ladder": 14, "member": 11,
+    "block": 4, "body": 1, "campaign": 1, "compare": 8, "database": 1, "design_front": 7,
+    "design_results": 9, "design_start": 9, "design_verification": 5, "ladder": 14, "member": 11,
     "members": 1, "mesh": 2, "radiation": 4, "response": 7, "simulate": 12, "verification": 6, "witness": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
@@ -504,9 +504,11 @@ class Search(Brief):
 
     @property
     def kept(self) -> dict[str, float]:
-        """Limits that the search keeps; those of force and stroke a causal controller keeps itself."""
-        own = CONTROLLED if self.tuning == CAUSAL else ()
-        return {name: limit for name, limit in self.limits.items() if name not in own}
+        """Limits that the search keeps; those of force and stroke a causal controller keeps itself, if it can."""
+        if self.tuning != CAUSAL:
+            return self.limits
+        found = {name: limit for name, limit in self.limits.items() if name not in CONTROLLED}
+        return found | ({LEAST_STROKE: self.limits["stroke_rms"]} if "stroke_rms" in self.limits else {})
 
     @property
     def flexible(self) -> bool:

@@ -43,6 +43,8 @@ NOISE = 1e-5
 LEAST_WEIGHT = 1e-6
 """Least weight lambda of the squared force, over the largest Re Y: with less, a force of an unlimited band costs
 nothing."""
+STEADY = 1e3
+"""Weight of displacement over `StationaryPort.stroke_weight` with which it is its least to about 1e-5."""
 MOST_WEIGHT = 1e12
 """Largest weights tried, over those where a limit is certain to hold."""
 ROOT = 1e-10
@@ -144,6 +146,11 @@ class StationaryPort:
         """Return the density of the mean power of a force K F_e by frequency, without noise, shape (omega,) [W s]."""
         loss = self.admittance.real * np.abs(gain) ** 2
         return np.asarray((np.real(self.admittance.conj() * gain) - loss) * self.excitation)
+
+    @property
+    def stroke_weight(self) -> float:
+        """Weight with which displacement counts as much as force where the port moves most [N/(m s)]."""
+        return float(1 / np.abs(self.admittance * self.omega).max())
 
     def coarser(self) -> "StationaryPort":
         """Return the port at every third of its frequencies: what is resolved changes little."""
@@ -332,6 +339,15 @@ def optimum(
     return best
 
 
+def steadiest(port: StationaryPort, force: float, noise: float = NOISE, forecast: float = 0.0) -> Controlled:
+    """Return the control whose displacement has the least rms with a force of a given rms at most [N].
+
+    Its weight of displacement is finite, see `STEADY`: the optimum changes smoothly with its port.
+    """
+    weight, least = STEADY * port.stroke_weight, LEAST_WEIGHT * float(port.admittance.real.max())
+    return _within_force(lambda one: port.controlled(one, noise, forecast), port, force, Weights(least, weight))
+
+
 def _losses(at: Controlled, efficiency: float) -> Weights:
     """Slopes of the converted power by the mean squares of force and velocity, over that by the power at the port."""
     size = np.sqrt(at.force * at.speed)
@@ -347,20 +363,25 @@ def _within_limits(
     """The optimum with the least weights with which both limits hold."""
 
     def with_force_limit(stroke: float) -> Controlled:
-        def at(force: float) -> Controlled:
-            return controlled(Weights(force, stroke, least.speed))
+        return _within_force(controlled, port, limits.force, least._replace(stroke=stroke))
 
-        start = np.sqrt(port.integral(port.spectrum)) / (2 * limits.force)  # where the force alone costs, it holds
-        return least_weight(at, least.force, start, lambda found: found.force_rms / limits.force)
-
-    start = float(np.abs(port.admittance * port.omega).max() ** -1)
-    found = least_weight(with_force_limit, 0.0, start, lambda found: found.stroke_rms / limits.stroke)
+    found = least_weight(with_force_limit, 0.0, port.stroke_weight, lambda one: one.stroke_rms / limits.stroke)
     if found.stroke_rms > limits.stroke * (1 + KEPT):
         raise StabilityError(
             f"pto: no control within force_limit keeps an rms displacement of {limits.stroke:.4g} m in this sea, "
             f"{found.stroke_rms:.4g} m is the least; raise one of them"
         )
     return found
+
+
+def _within_force(
+    controlled: Callable[[Weights], Controlled], port: StationaryPort, force: float, least: Weights
+) -> Controlled:
+    """The optimum with the least weight of the force with which its limit holds; the other weights as given."""
+    start = np.sqrt(port.integral(port.spectrum)) / (2 * force)  # where the force alone costs, it holds
+    return least_weight(
+        lambda weight: controlled(least._replace(force=weight)), least.force, start, lambda one: one.force_rms / force
+    )
 
 
 def least_weight(

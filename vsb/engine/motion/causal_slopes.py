@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.engine.motion.causal import LEAST_WEIGHT, Controlled, StationaryPort, Tail, Weights
+from vsb.engine.motion.causal import LEAST_WEIGHT, STEADY, Controlled, StationaryPort, Tail, Weights
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 
@@ -30,6 +30,8 @@ def slopes(
     spectrum: FloatArray,
     noise: float,
     forecast: float,
+    *,
+    steadiest: bool = False,
 ) -> Slopes:
     """Return the derivatives of an optimum of `vsb.engine.motion.causal.optimum` without losses in conversion.
 
@@ -38,10 +40,13 @@ def slopes(
     port, found : StationaryPort, Controlled
     admittance, spectrum : ndarray, shape (variable, omega)
         Derivatives of the admittance [m/(N s)] and of the density of the free velocity [m^2/s].
+    steadiest : bool
+        Of one of `vsb.engine.motion.causal.steadiest` instead.
     """
     weights = np.array([found.weights.force, found.weights.stroke])
     largest = int(port.admittance.real.argmax())
-    binds = weights > [LEAST_WEIGHT * float(port.admittance.real[largest]), 0.0]
+    binds = weights > [LEAST_WEIGHT * float(port.admittance.real[largest]), np.inf if steadiest else 0.0]
+    swung = int(np.abs(port.admittance * port.omega).argmax())
     objective = _Objective(port, found.weights, noise, forecast)
     by_weights = objective.by_force, objective.by_stroke
     bend = np.array([[objective.second(one, other) for other in by_weights] for one in by_weights])
@@ -49,6 +54,9 @@ def slopes(
     for i, change in enumerate(map(objective.by_port, admittance, spectrum)):
         mixed = np.array([objective.second(one, change) for one in by_weights])
         moved = np.array([LEAST_WEIGHT * admittance[i, largest].real, 0.0])  # weights that do not bind
+        if steadiest:
+            grown = float((admittance[i, swung] / port.admittance[swung]).real)
+            moved[1] = -STEADY * port.stroke_weight * grown
         moved[binds] = 0.0
         moved[binds] = -np.linalg.solve(bend[np.ix_(binds, binds)], (mixed + bend @ moved)[binds])
         squares[:, i] = np.where(binds, 0.0, -mixed - bend @ moved)
