@@ -8,13 +8,14 @@ import pytest
 from tests.design.conftest import study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
-from vsb.design.linearised import displacements
+from vsb.design.linearised import displacements, linearised
 from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
-from vsb.design.year import FrequencyGrid
+from vsb.design.several import SeveralYear
+from vsb.design.year import FrequencyGrid, YearMotion
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.damper_matrix import best_matrix, matrix_within_force
 from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.motion.tuning import powers_of_all
 from vsb.engine.waves.climate import Climate
@@ -334,6 +335,30 @@ def test_the_year_of_several_ports_is_that_of_a_campaign(climate, design, change
     assert power < squares @ ports.matched_power
     if spread:
         assert max(squares @ ports.power(dampers * factor) for factor in (0.99, 1.01)) < power
+
+
+@pytest.mark.parametrize("matrix", ["full", "diagonal"])
+def test_several_ports_share_the_force_they_are_allowed(climate, matrix):
+    """The matrix of that force is the engine's; power less its price has the derivatives of differences."""
+    ports = {"h": "heave", "r": {"colatitude": 100}}
+    study, key = study_of(designs={"VSWEC": {}}, pto={"ports": ports, "matrix": matrix}), "device.internal_pressure"
+    model = replace(model_of(study, "VSWEC", climate, [key]), fatigue=None)
+    free = model.at(model.point)
+    matrices = linearised(RestingBuoy.of(study, model.degree), "VSWEC", [], model.grid.solved, model.nodes)
+    several, squares = SeveralYear(YearMotion(model.grid, *matrices, 0.0)).ports, 2 * model.grid.variance
+    most = 0.5 * float(np.linalg.norm(several.force_rms(free.dampers, squares)))
+    model = replace(model, most_force=most)
+    found, expected = model.at(model.point), differences(model, 0, 1e-4)
+    assert found["force_rms"].value == most
+    assert np.linalg.norm(several.force_rms(found.dampers, squares)) == pytest.approx(most, rel=1e-6)
+    power, best = found["annual_mean_power"], matrix_within_force(several, squares, most, matrix)
+    assert power.value == pytest.approx(best.power, rel=3e-6)
+    assert power.value < free["annual_mean_power"].value
+    assert abs(power.gradient[0] - expected["annual_mean_power"]) * model.point[0] <= 1e-6 * power.value
+    wider, closer = (
+        replace(model, most_force=most * (1 + s)).at(model.point)["annual_mean_power"].value for s in (1e-3, -1e-3)
+    )
+    assert (wider - closer) / (2e-3 * power.value) == pytest.approx(found.worth["force_rms"], rel=1e-4)
 
 
 def test_what_a_clamped_design_leaves_out_holds_the_power_of_all_degrees(climate):

@@ -38,7 +38,7 @@ from vsb.report.design_page import (
 )
 from vsb.results.budget import MODES
 from vsb.stages.climate import read_climate
-from vsb.stages.design import outcomes, under_wider_limits
+from vsb.stages.design import outcomes, under_limits
 from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
 from vsb.stages.make import best_so_far
@@ -348,8 +348,8 @@ def test_more_starts_keep_those_there_are(folder):
     assert list(many.rigid_starts)[:2] == list(few.rigid_starts)
 
 
-def test_a_start_is_kept_where_wider_limits_did_not_hold_it(folder):
-    """Beam holds the buoy and draft does not: wider drafts, or none, need no search, another beam does."""
+def test_a_start_is_kept_under_limits_that_do_not_hold_it(folder, capsys):
+    """Beam holds the buoy and draft does not: other drafts, or none, need no search, another beam does."""
     limits = {"beam": 4.15, "draft": 30.0, "static_strain": 0.9, "load_factor": 0.02}
 
     def ended(**changes):
@@ -363,16 +363,24 @@ def test_a_start_is_kept_where_wider_limits_did_not_hold_it(folder):
     first = ended()
     assert first.accepted
     assert "beam" in first.multipliers
-    for wider in ({"draft": 40.0}, {"draft": None}, {"load_factor": 0.01}, {"static_strain": None, "draft": 50.0}):
+    for wider in ({"draft": 20.0}, {"draft": None}, {"load_factor": 0.01}, {"static_strain": None, "draft": 50.0}):
         kept = ended(**wider)
         assert (kept.values == first.values).all()
         assert (kept.evaluations, kept.kkt) == (first.evaluations, first.kkt)
         assert set(kept.margins) == {name for name in first.margins if wider.get(name, 0.0) is not None}
     assert kept.margins["draft"] == pytest.approx(first.margins["draft"] * 30 / 50, rel=1e-12)
-    assert ended(beam=4.2).quantities["beam"] > first.quantities["beam"] + 0.03
-    assert under_wider_limits(first, limits, {**limits, "draft": 29.0}) is None
-    assert under_wider_limits(first, limits, {**limits, "load_factor": 0.03}) is None
-    assert under_wider_limits(first, limits, {**limits, "mass": 1e9}) is None
+    capsys.readouterr()
+    moved = ended(beam=4.2)
+    assert "begun where start" in capsys.readouterr().out
+    assert moved.quantities["beam"] > first.quantities["beam"] + 0.03
+    assert moved.accepted
+    assert (moved.start == first.values).all()
+    draft = first.quantities["draft"]
+    for narrower in ({"draft": 0.99 * draft}, {"load_factor": 1e9}, {"mass": 1e9}, {"beam": 4.1}):
+        assert under_limits(first, limits, {**limits, **narrower}) is None
+    close = {**limits, "draft": 1.02 * draft}
+    assert under_limits(first, limits, close)
+    assert under_limits(first, limits, close, sigmas=2.0) is None
 
 
 def test_a_front_asked_for_later_keeps_the_starts(folder):
@@ -455,6 +463,30 @@ def test_several_ports_have_the_matrix_that_absorbs_most_and_keep_it_as_built(fo
     assert thickness[0]["high"] == pytest.approx(1.96 * 0.05 * slope, rel=1e-5)
     assert found.competitor.pto.port.damping[1] == (0.0, 0.0)
     assert "h, v: [[" in Path(plan.folder, "report.html").read_text()
+
+
+def test_several_ports_keep_the_force_of_all_together(folder):
+    unlike = shell_with(folder, "unlike", pto={"ports": {"h": "heave", "v": "volume"}})
+    study = shell_with(folder, "forces", pto={"ports": {"h": "heave", "r": {"colatitude": 120}}, "matrix": "diagonal"})
+    free = {"device.mass": [9e3, 2.2e4]}
+    for changes, words in (
+        ({"study": unlike, "limits": {"force_rms": 5e3}}, r"limits\.force_rms.*no one load"),
+        ({"study": study, "limits": {"stroke_rms": 0.5}}, r"limits\.stroke_rms.*no one stroke"),
+        ({"study": study, "maximise": "power_per_force"}, r"maximise.*no one load"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            planned(folder, "refused", free, **changes)
+    plan = planned(folder, "at_forces", free, study=study, limits={"force_rms": 5e3})
+    for task in tasks(plan):
+        run_task(task)
+    found = vsb.open(plan.folder)
+    both = (FLEXIBLE, COMPETITOR)
+    assert [found.facts["quantities"][name]["force_rms"] for name in both] == [5e3, 5e3]
+    assert all(found.facts["found"][name]["multipliers"]["force_rms"] > 0.5 for name in both)
+    model = DesignModel.of(found.optimum, "VSWEC", read_climate(plan.climate, plan.loaded.climate_path), [])
+    kept = replace(model, dampers=np.array(found.optimum.pto.port.damping)).at([])
+    assert kept[POWER].value == pytest.approx(found.power[FLEXIBLE], rel=1e-6)
+    assert "rms force" in Path(plan.folder, "report.html").read_text()
 
 
 def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):

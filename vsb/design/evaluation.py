@@ -106,6 +106,7 @@ class DesignModel:
     control: RmsLimits | None = None  # limits of causal control; none: a damper
     fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
     dampers: FloatArray | None = None  # matrix of several ports that is kept; none: the one that absorbs most
+    most_force: float = np.inf  # rms of all forces of several ports together, at most [N]
 
     @classmethod
     def of(
@@ -349,8 +350,20 @@ class DesignModel:
     def _year_of_several(self, study: Study, year: SeveralYear) -> Evaluation:
         """Power at several ports, or of a damper spread over the shell, and the dampers."""
         if isinstance(study.pto.port, SeveralPorts):
-            dampers = year.best(study.pto.port.matrix) if self.dampers is None else self.dampers
-            return Evaluation({"annual_mean_power": Quantity(*year.power(dampers))}, dampers=dampers)
+            dampers, price = self.dampers, 0.0
+            if dampers is None and np.isfinite(self.most_force):
+                dampers, price = year.within(self.most_force, study.pto.port.matrix)
+            elif dampers is None:
+                dampers = year.best(study.pto.port.matrix)
+            less, slopes = year.power(dampers, price=price)
+            if not price:
+                return Evaluation({"annual_mean_power": Quantity(less, slopes)}, dampers=dampers)
+            paid = price * self.most_force**2
+            found = {
+                "annual_mean_power": Quantity(less + paid, slopes),
+                "force_rms": Quantity(self.most_force, np.zeros_like(slopes)),
+            }
+            return Evaluation(found, {"force_rms": 2 * paid / (less + paid)}, dampers)
         is_damper, count = self._is(DAMPER), len(year.motion.rows)
         if is_damper.any():
             c, c_change = study.pto.damper(self.design) or 0.0, is_damper

@@ -74,7 +74,8 @@ def searching(
 ) -> DesignModel:
     """Return a model for a search, which looks beyond what bounds a buoy, and knows its cost; of its design if none."""
     model = DesignModel.of(study, design or search.design, climate, keys, degree, control_of(search))
-    return replace(model, beyond=True, cost=search.cost, fatigue=search.fatigue)
+    force = search.limits.get("force_rms", np.inf) if search.several else np.inf
+    return replace(model, beyond=True, cost=search.cost, fatigue=search.fatigue, most_force=force)
 
 
 def control_of(search: Search) -> RmsLimits | None:
@@ -122,8 +123,10 @@ def places(problem: Problem, seed: int, start: int) -> list[FloatArray]:
     return start_places(start, len(own), seed, own) if own.size else [own]
 
 
-def from_start(search: Search, climate: Climate, seed: int, start: int, seen: Progress) -> Converged:
-    """Return where a start ended.
+def from_start(
+    search: Search, climate: Climate, seed: int, start: int, seen: Progress, begin: "Outcome | None" = None
+) -> Converged:
+    """Return where a start ended, begun from where it ended under other limits, if given.
 
     Raises `ConvergenceError` if no buoy rests among the places it tried.
     """
@@ -133,8 +136,10 @@ def from_start(search: Search, climate: Climate, seed: int, start: int, seen: Pr
         return problem_of(search, climate, degree)
 
     degrees = degrees_of(search)
-    begin, expected = places(of(degrees[0]), seed, start), partial(expected_of, search)
-    return converged(of, degrees, search.tolerance, begin, seen, expected, uncertain_margins(search))
+    tried, expected = places(of(degrees[0]), seed, start), partial(expected_of, search)
+    if begin:
+        tried.insert(0, of(degrees[0]).place(list(begin.values)))
+    return converged(of, degrees, search.tolerance, tried, seen, expected, uncertain_margins(search))
 
 
 def finer_of(search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None) -> Finer:

@@ -6,8 +6,10 @@ With the year's mean variance density S
     mean power P = int w^2 S u^H C u dw,
     dP = int w^2 S [u^H dC u + 2 Re u^H C dB^T q + 2 Re l^T (dX - dD_c q)] dw,   l = D_c^-1 B C u*.
 
-At the matrix that absorbs most dC does not count: the matrices to choose from, C >= 0, are the same for all buoys. The
-damper spread over a shell, C = c 1, has a derivative of its own (`SeveralYear.optimal_change`).
+At the matrix that absorbs most dC does not count: the matrices to choose from, C >= 0, are the same for all buoys. With
+a limit of the rms of all forces together, int w^2 S u^H C^2 u dw, that matrix is the best of P less a price times their
+mean square: where the limit holds the derivatives are those of this difference, at fixed C and price. The damper spread
+over a shell, C = c 1, has a derivative of its own (`SeveralYear.optimal_change`).
 """
 
 from dataclasses import dataclass
@@ -16,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.year import YearMotion
-from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix
+from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix, priced_matrix
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 NEWTON_STEPS = 5
@@ -46,11 +48,16 @@ class SeveralYear:
             damper *= float(np.exp(-slope / (change[-1] * damper)))
         return damper * np.eye(len(found))
 
+    def within(self, force: float, kind: Kind) -> tuple[FloatArray, float]:
+        """Return the best matrix with a given rms of all forces together at most, and the price of their square."""
+        found, price = priced_matrix(self.ports, 2 * self.motion.grid.variance, force, kind, NEWTON_STEPS)
+        return found.damping, price
+
     def absorbed(self, dampers: FloatArray) -> FloatArray:
         """Return the part of the mean power of each frequency, shape (omega,) [W]."""
         return 2 * self.motion.grid.variance * self.ports.power(dampers)
 
-    def power(self, dampers: FloatArray, by: FloatArray | None = None) -> tuple[float, FloatArray]:
+    def power(self, dampers: FloatArray, by: FloatArray | None = None, price: float = 0.0) -> tuple[float, FloatArray]:
         """Return the mean power under a damper matrix [W], and its derivatives by the variables, shape (variable,).
 
         Parameters
@@ -58,9 +65,11 @@ class SeveralYear:
         dampers : ndarray, shape (port, port)
         by : ndarray, shape (variable, port, port)
             Derivatives of it; none: 0.
+        price : float [m/(N s)]
+            Less this times the mean square of all forces.
         """
         q, u, weight = self._moved(dampers)
-        force = u.conj() @ dampers
+        force = u.conj() @ (dampers - price * dampers @ dampers)
         slopes = 2 * self._slopes(force, q, dampers, by).real
         if by is not None:
             slopes = slopes + ((by @ u.T) * u.conj().T).real.sum(axis=1)

@@ -26,66 +26,84 @@ from vsb.tools.files import load, save
 
 
 def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:
-    """Optimise from one start and write where it ended, or where it did before with limits that did not hold it."""
-    if kept := kept_start(spec, Path(out).parent):
-        name, end = kept
-        print(f"kept: where start {name} ended, under limits that are wider now and did not hold it", flush=True)
-        save(end.dataset.assign_attrs(stamp(spec)), out)
-        return
+    """Optimise from one start and write where it ended.
+
+    Where the same start ended under other limits it is kept if these limits do not hold it, or else begun from.
+    """
+    before = earlier(spec, Path(out).parent)
+    for name, end, limits in before:
+        if same := under_limits(end, limits, spec.search.limits, spec.search.sigmas):
+            print(f"kept: where start {name} ended, under other limits that did not and do not hold it", flush=True)
+            save(same.dataset.assign_attrs(stamp(spec)), out)
+            return
+    begin = None
+    if accepted := [(name, end) for name, end, _ in before if end.accepted]:
+        name, begin = accepted[0]
+        print(f"begun where start {name} ended under other limits", flush=True)
     seas, keys = read_climate(spec.search.climate, climate), [one.key for one in spec.search.variables]
     try:
-        found = from_start(spec.search, seas, spec.seed, spec.start, BestSoFar(spec.search))
+        found = from_start(spec.search, seas, spec.seed, spec.start, BestSoFar(spec.search), begin)
         result = Outcome.of(found, keys).dataset
     except ConvergenceError as error:
         result = failed(str(error))
     save(result.assign_attrs(stamp(spec)), out)
 
 
-def kept_start(spec: DesignStartSpec, folder: Path) -> tuple[str, Outcome] | None:
-    """Return the name and the end of a start of the same problem but for tighter limits that did not hold it."""
-    wanted = json.loads(canonical(spec))
+def earlier(spec: DesignStartSpec, folder: Path) -> list[tuple[str, Outcome, Mapping[str, float]]]:
+    """Return names and ends of the same start of the same problem but for values of limits, and those limits."""
+    wanted, found = json.loads(canonical(spec)), []
     limits = wanted["search"].pop("limits")
     for path in sorted(folder.glob("*.nc")):
         try:
             ds = load(path)
             given = json.loads(ds.attrs["spec"])
             before = given["search"].pop("limits")
-            found = Outcome.read(ds) if given == wanted else ""
+            end = Outcome.read(ds) if given == wanted and before != limits else ""
         except (DatabaseError, KeyError, ValueError):  # no start, or one that is being written
             continue
-        if isinstance(found, Outcome) and (same := under_wider_limits(found, before, limits)):
-            return path.stem, same
-    return None
+        if isinstance(end, Outcome):
+            found.append((path.stem, end, before))
+    return found
 
 
-def under_wider_limits(found: Outcome, before: Mapping[str, float], limits: Mapping[str, float]) -> Outcome | None:
-    """Return an optimum as one under wider limits, or without some; None if they may have another.
+def under_limits(
+    found: Outcome, before: Mapping[str, float], limits: Mapping[str, float], sigmas: float = 0.0
+) -> Outcome | None:
+    """Return an optimum as one under other limits, or without some; None if they may have another.
 
     Where a limit has no multiplier, and the buoy is away from it, the first- and second-order conditions do not contain
-    it: they are the same if it is wider, or none.
+    it: they are the same if it is wider, or none, or narrower and the buoy still away from it.
 
     Parameters
     ----------
     before, limits : mapping
         Limits it was found under, and those now.
+    sigmas : float
+        Standard deviations kept from them: by how much a buoy nears a narrower limit is then not known.
     """
     if not found.accepted or set(limits) - set(before):
         return None
     known = Evaluation({name: Quantity(value, np.zeros(0)) for name, value in found.quantities.items()})
     margins = dict(found.margins)
     for name, limit in before.items():
-        wider = limits[name] / limit if name in limits else math.inf
-        if wider == 1:
+        if (now := limits.get(name)) == limit:
             continue
-        shrunk = wider if name == "load_factor" and name in limits else 1 / wider  # of 1 + g
-        held = any(one.value >= -ACTIVE for one in excesses(known, {name: limit}))
-        parts = limit_parts({name: limit})
-        if shrunk > 1 or held or any(part in found.multipliers for part in parts):
+        try:
+            parts, far = limit_parts({name: limit}), -ACTIVE
+            for part, one in zip(parts, excesses(known, {name: limit}), strict=True):
+                if one.value >= far or part in found.multipliers:
+                    return None
+                if now is None:
+                    margins.pop(part, None)
+                    continue
+                times = now / limit if name == "load_factor" else limit / now
+                if times > 1 and sigmas:
+                    return None
+                margins[part] = times * margins.get(part, math.nan)
+                if not times * (1 + one.value) - 1 + max(margins[part], 0.0) < far:
+                    return None
+        except KeyError:  # what is limited is not known of the buoy
             return None
-        for part in (part for part in parts if part in margins):
-            margins[part] *= shrunk
-            if name not in limits:
-                del margins[part]
     return replace(found, margins=margins)
 
 

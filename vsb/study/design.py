@@ -159,6 +159,11 @@ def comparable(pto: Pto) -> bool:
     return not pto.several and port_kind(pto.port) is FORCE
 
 
+def of_forces(pto: Pto) -> bool:
+    """Whether several ports all act with forces, so that the rms of all together may be limited."""
+    return isinstance(pto.port, SeveralPorts) and all(port_kind(one) is FORCE for one in pto.port.ports.values())
+
+
 def _read_variables(raw: object) -> object:
     """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings.
 
@@ -645,9 +650,11 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
     if comparable(pto) or not (pto.several or other):
         return
     why = "which has no one load" if pto.several else "which has another load than the rigid buoy's in heave"
+    limited = ("stroke_rms",) if of_forces(pto) else ("force_rms", "stroke_rms")
     for section, names in (("limits", problem.limits.given), ("pareto", problem.pareto)):
-        for name in (name for name in ("force_rms", "stroke_rms") if name in names):
-            mistakes.add((section, name), f"received with pto.port of {problem.study}, {why}; remove it")
+        for name in (name for name in limited if name in names):
+            reason = "which has no one stroke" if of_forces(pto) else why
+            mistakes.add((section, name), f"received with pto.port of {problem.study}, {reason}; remove it")
     if problem.maximise == "power_per_force" or "force_rms" in problem.prices:
         key = "maximise" if problem.maximise == "power_per_force" else "cost"
         mistakes.add(key, f"received a share of force with pto.port of {problem.study}, {why}; needs others")

@@ -504,11 +504,20 @@ class Search(Brief):
 
     @property
     def kept(self) -> dict[str, float]:
-        """Limits that the search keeps; those of force and stroke a causal controller keeps itself, if it can."""
+        """Limits that the search keeps.
+
+        That of force is kept by the damper matrix of several ports, those of force and stroke by a causal controller,
+        if it can.
+        """
         if self.tuning != CAUSAL:
-            return self.limits
+            return {name: limit for name, limit in self.limits.items() if not (self.several and name == "force_rms")}
         found = {name: limit for name, limit in self.limits.items() if name not in CONTROLLED}
         return found | ({LEAST_STROKE: self.limits["stroke_rms"]} if "stroke_rms" in self.limits else {})
+
+    @property
+    def several(self) -> bool:
+        """Whether the take-off acts at several ports."""
+        return "ports" in self.base["pto"].get("port", "heave")
 
     @property
     def flexible(self) -> bool:

@@ -29,8 +29,8 @@ SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
 ALONG = np.arange(-8.0, 9.0)
 """Logarithms of those dampers, where all ports have the same: power in them has no feature narrower than 1."""
-FORCE_KEPT = 1e-6
-"""Relative tolerance on a limit of the rms of all forces."""
+FORCE_KEPT, NEAR_PRICE = 1e-6, 1e-2
+"""Relative tolerance on a limit of the rms of all forces, and of its price before secants."""
 ROUND_OFF = 1e-9
 """Share of the largest loss of the ports at a frequency below which a combination of them radiates nothing [-]."""
 
@@ -123,7 +123,12 @@ class DamperMatrix(NamedTuple):
 
 
 def best_matrix(
-    ports: Ports, squares: FloatArray, kind: Kind = "full", newton_steps: int = 0, price: float = 0.0
+    ports: Ports,
+    squares: FloatArray,
+    kind: Kind = "full",
+    newton_steps: int = 0,
+    price: float = 0.0,
+    near: FloatArray | None = None,
 ) -> DamperMatrix:
     """Return the damper matrix C >= 0, real and symmetric, that absorbs most in a sea.
 
@@ -137,6 +142,8 @@ def best_matrix(
         ports are as exact as the matrix.
     price : float [m/(N s)]
         Of the mean square of all forces, which is taken from the power that is maximised.
+    near : ndarray, shape (port, port)
+        Matrix whose nearest maximum is wanted; none: the largest of all.
 
     Notes
     -----
@@ -152,7 +159,8 @@ def best_matrix(
     moving = ports.admittance.any(axis=(0, 2))
     if kind != "uniform" and not moving.all():  # as in a rigid design, which a port of strain does not move with
         part = Ports(ports.omega, ports.admittance[:, moving][:, :, moving], ports.velocity[:, moving])
-        some, whole = best_matrix(part, squares, kind, newton_steps, price), np.zeros((count, count))
+        chosen = None if near is None else near[np.ix_(moving, moving)]
+        some, whole = best_matrix(part, squares, kind, newton_steps, price, chosen), np.zeros((count, count))
         whole[np.ix_(moving, moving)] = some.damping
         return DamperMatrix(whole, some.power)
     seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
@@ -170,14 +178,16 @@ def best_matrix(
         damping, _ = form.matrix(x, unit)
         return float(weights @ seen.power(damping)) - price * float((seen.force_rms(damping, weights) ** 2).sum())
 
-    starts = form.starts(np.random.default_rng(count))
+    starts = (
+        form.starts(np.random.default_rng(count)) if near is None else [form.of_matrix(near / np.outer(unit, unit))]
+    )
     powers = np.array([power(x) for x in starts])
-    if kind == "uniform":
+    if kind == "uniform" and near is None:
         beside = np.pad(powers, 1, constant_values=-np.inf)
         followed = [starts[i] for i in np.flatnonzero((powers >= beside[:-2]) & (powers >= beside[2:]))]
     else:
         followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
-    if isinstance(form, _Full):
+    if isinstance(form, _Full) and near is None:
         own = best_matrix(ports, squares, "diagonal", price=price).damping
         followed.append(form.of_diagonal(np.diag(own) / unit**2))
     found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
@@ -214,23 +224,42 @@ def matrix_within_force(ports: Ports, squares: FloatArray, limit: float, kind: K
     limit : float [N]
         Of ports whose forces have one unit.
     """
+    return priced_matrix(ports, squares, limit, kind)[0]
 
-    def at(logarithm: float) -> DamperMatrix:
-        return best_matrix(ports, squares, kind, price=float(np.exp(logarithm)))
+
+def priced_matrix(
+    ports: Ports, squares: FloatArray, limit: float, kind: Kind = "full", newton_steps: int = 0
+) -> tuple[DamperMatrix, float]:
+    """Return the matrix of `matrix_within_force`, and the price of the squared force at which it is the best one.
+
+    With Newton steps, see `best_matrix`, power less the price times the squared force is as exact as without limit.
+    """
+
+    def at(logarithm: float, near: FloatArray | None = None, steps: int = 0) -> DamperMatrix:
+        return best_matrix(ports, squares, kind, steps, float(np.exp(logarithm)), near)
 
     def excess(found: DamperMatrix) -> float:
         return float(np.log(np.linalg.norm(ports.force_rms(found.damping, squares)) / limit))
 
-    best = best_matrix(ports, squares, kind)
+    best = best_matrix(ports, squares, kind, newton_steps)
     if not best.power > 0 or excess(best) <= FORCE_KEPT:
-        return best
+        return best, 0.0
     free = 0.5 * squares @ np.abs(ports.velocity) ** 2
     high = float(np.log(np.sqrt(free.sum()) / (2 * limit)))  # where the force alone costs, the limit holds
     low = high - 1.0
     while excess(at(low)) < 0:
         low -= 2.0
-    root = float(brentq(lambda price: excess(at(price)), low, high, xtol=FORCE_KEPT))
-    return next(one for one in map(at, (root, root + 2 * FORCE_KEPT, high)) if excess(one) <= FORCE_KEPT)
+    close = NEAR_PRICE if newton_steps else FORCE_KEPT
+    root = float(brentq(lambda price: excess(at(price)), low, high, xtol=close))
+    if not newton_steps:
+        tried = ((at(one), one) for one in (root, root + 2 * FORCE_KEPT, high))
+        return next((one, float(np.exp(price))) for one, price in tried if excess(one) <= FORCE_KEPT)
+    found = at(root, at(root).damping, newton_steps)
+    for apart in (close, close**2):  # secants
+        beside = at(root + apart, found.damping, newton_steps)
+        root -= apart * excess(found) / (excess(beside) - excess(found))
+        found = at(root, found.damping, newton_steps)
+    return found, float(np.exp(root))
 
 
 def matrix_text(matrix: FloatArray, digits: int) -> str:
@@ -266,6 +295,11 @@ class _Full:
             found.append(np.linalg.cholesky((turned * size) @ turned.T)[self.at])
         return found
 
+    def of_matrix(self, matrix: FloatArray) -> FloatArray:
+        """The point of a matrix in the ports' units."""
+        sizes, along = np.linalg.eigh(matrix)
+        return np.asarray(np.linalg.qr((along * np.sqrt(np.maximum(sizes, 0.0))).T)[1].T[self.at])
+
     def of_diagonal(self, dampers: FloatArray) -> FloatArray:
         """The point of a diagonal matrix, off its axis: there the slope across it would vanish."""
         root = np.sqrt(np.maximum(dampers, 1e-12))
@@ -282,6 +316,11 @@ class _Logarithmic:
         """C and what takes its slope back to x."""
         dampers = unit**2 * np.exp(np.clip(self.weight @ x, -40.0, 40.0))
         return np.diag(dampers), lambda slope: self.weight.T @ (np.diag(slope) * dampers)
+
+    def of_matrix(self, matrix: FloatArray) -> FloatArray:
+        """The point of a matrix in the ports' units."""
+        logs = np.log(np.maximum(np.diag(matrix), np.exp(-40.0)))
+        return np.asarray(np.linalg.lstsq(self.weight, logs)[0])
 
     def starts(self, rng: np.random.Generator) -> list[FloatArray]:
         """Dampers of all sizes; of one variable evenly."""
