@@ -21,6 +21,7 @@ from typing import NamedTuple
 import yaml
 
 from vsb.errors import VsbError
+from vsb.tools.packed import packs
 from vsb.tools.shipped import HOME
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scancel", "sinfo")
@@ -233,7 +234,7 @@ def _killed(folder: Path, name: str, environment: Mapping[str, str], number: sig
     """Begin a run, and end it by a signal once the first members are there."""
     process = _run(folder, name, environment, "slurm", "shells.yaml")
     members = folder / name / "results" / "shells" / "members"
-    _wait(lambda: members.is_dir() and len(list(members.iterdir())) > 9, PATIENCE, f"{name}: no members")
+    _wait(lambda: len(packs(members)) > 9, PATIENCE, f"{name}: no members")
     if number == signal.SIGKILL:
         os.killpg(process.pid, number)
     else:

@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from stages.test_members import planned, with_seas
 
 from vsb.errors import ConfigError
 from vsb.stages.campaign_preview import check, summary
-from vsb.tools.packed import SUFFIX
+from vsb.tools.packed import SUFFIX, Pack
 
 
 @pytest.fixture(scope="module")
@@ -55,9 +56,7 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
         "points       4 of device.young_modulus x device.density, 0 done",
         "jobs         1 of 1 batches to do, 1 shapes of the water",
     ]
-    done = Path(plan.folder, "members", f"{plan.members[2].id}{SUFFIX}")
-    done.parent.mkdir(parents=True)
-    done.touch()
+    Pack(Path(plan.folder, "members", f"other{SUFFIX}")).append(xr.Dataset(attrs={"spec_id": plan.members[2].id}))
     (batch,) = map(Path, plan.batch_paths)
     batch.parent.mkdir(parents=True, exist_ok=True)
     batch.touch()

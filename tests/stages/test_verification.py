@@ -28,6 +28,12 @@ VERIFY = {"seas": 4, "seed": 3}
 MASSES = {"device.mass": [17170.0, 17000.0]}
 
 
+def members_of(plan):
+    """Years of the members as they are stored."""
+    stored = packed.packs(f"{plan.folder}/members")
+    return [stored[one.id].read(one.id) for one in plan.members]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return with_seas(tmp_path_factory.mktemp("verified"), (0.6, 5.0), (1.0, 6.0), (1.3, 6.5), (1.6, 7.0))
@@ -85,7 +91,7 @@ def test_corrected_power_is_the_linear_power_times_the_ratio_of_weighted_means(c
 def test_gains_of_linear_theory_and_of_runs_lie_in_their_intervals(folder, checked):
     plan, runs, found = checked
     with chdir(folder):
-        linear = [packed.load(f"{plan.folder}/members/{one.id}.npz", expected=one.id) for one in plan.members]
+        linear = members_of(plan)
     for i, (one, before) in enumerate(zip(runs, linear, strict=True)):
         at = found.isel(mass=i)
         for name in ("gain_percent", "gain_low", "gain_high"):
@@ -163,7 +169,7 @@ def test_designs_that_are_viable_are_simulated_in_the_water_of_all(folder):
     with chdir(folder):
         batches(plan)
         (found,) = simulated(plan)
-        (linear,) = (packed.load(f"{plan.folder}/members/{one.id}.npz", expected=one.id) for one in plan.members)
+        (linear,) = members_of(plan)
     assert linear.viable.values.tolist() == found.viable.values.tolist() == [True, False]
     runs = found.sel(design="FSB")
     ratio = (runs.drawn_weight * runs.run_power).mean() / (runs.drawn_weight * runs.linear_run_power).mean()

@@ -1,5 +1,7 @@
 """Packed datasets: exact, reproducible, and refused when damaged or stale."""
 
+import io
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,7 +9,7 @@ import xarray as xr
 import vsb.results.variables  # noqa: F401  (registers where results may be missing)
 from vsb.errors import DatabaseError
 from vsb.tools import packed
-from vsb.tools.files import seal
+from vsb.tools.files import seal_of
 
 
 @pytest.fixture
@@ -24,52 +26,77 @@ def dataset():
     return xr.Dataset(values, coords=at, attrs={"spec_id": "0123456789abcdef", "spec": "{}"})
 
 
-def test_dataset_round_trips(dataset, tmp_path):
-    packed.save(dataset, tmp_path / "one.npz")
-    found = packed.load(tmp_path / "one.npz", expected="0123456789abcdef")
-    assert found.attrs == dataset.attrs
-    assert set(found.coords) == set(dataset.coords)
-    for name, variable in dataset.variables.items():
-        assert found[name].dims == variable.dims
-        np.testing.assert_array_equal(found[name].values, variable.values)
+NAME = "0123456789abcdef"
 
 
-@pytest.mark.parametrize("at", [10, -300, -10])
-def test_changed_byte_is_detected(dataset, tmp_path, at):
-    path = tmp_path / "one.npz"
-    packed.save(dataset, path)
-    data = bytearray(path.read_bytes())
+@pytest.fixture
+def pack(dataset, tmp_path):
+    found = packed.Pack(tmp_path / "one.pack")
+    found.append(dataset)
+    return found
+
+
+def test_datasets_round_trip_from_a_file_that_grows(dataset, pack):
+    other = dataset.assign(margin=0.5).assign_attrs(spec_id="f" * 16)
+    packed.Pack(pack.path).append(other)
+    found = packed.packs(pack.path.parent)
+    assert {*found} == {NAME, "f" * 16}
+    for one in (dataset, other):
+        read = found[one.attrs["spec_id"]].read(one.attrs["spec_id"])
+        assert read.attrs == one.attrs
+        assert set(read.coords) == set(one.coords)
+        for name, variable in one.variables.items():
+            assert read[name].dims == variable.dims
+            np.testing.assert_array_equal(read[name].values, variable.values)
+
+
+def test_what_a_killed_writer_left_is_written_over(dataset, pack):
+    whole = pack.path.read_bytes()
+    packed.Pack(pack.path).append(dataset.assign_attrs(spec_id="f" * 16))
+    twice = pack.path.read_bytes()
+    for left in (len(whole) + 5, len(whole) + 40, len(twice) - 1):
+        pack.path.write_bytes(twice[:left])
+        found = packed.Pack(pack.path)
+        assert [*found.places] == [NAME]
+        with pytest.raises(DatabaseError, match="ends within a dataset"):
+            found.check()
+        found.append(dataset.assign_attrs(spec_id="f" * 16))
+        assert pack.path.read_bytes() == twice
+
+
+@pytest.mark.parametrize("at", [40, -300, -10])
+def test_changed_byte_is_detected_and_the_last_of_an_id_counts(dataset, pack, at):
+    data = bytearray(pack.path.read_bytes())
     data[at] ^= 1
-    path.write_bytes(data)
+    pack.path.write_bytes(data)
     with pytest.raises(DatabaseError, match="its contents are not those it was written with"):
-        packed.read(path)
+        pack.read(NAME)
+    pack.append(dataset)
+    packed.Pack(pack.path).check()
 
 
-def test_missing_stale_or_invalid_file_is_refused(dataset, tmp_path):
-    path = tmp_path / "one.npz"
-    with pytest.raises(DatabaseError, match="file not found"):
-        packed.read(path)
-    packed.save(dataset, path)
+def with_content(path, content, name=NAME):
+    """A pack of one dataset of these bytes, sealed."""
+    sealed = content + seal_of(content)
+    path.write_bytes(b"%s %12d\n" % (name.encode(), len(sealed)) + sealed)
+    return packed.Pack(path)
+
+
+def test_stale_or_invalid_contents_are_refused(pack):
+    pack.path.write_bytes(pack.path.read_bytes().replace(NAME.encode(), b"f" * 16, 1))
     with pytest.raises(DatabaseError, match="stale or foreign"):
-        packed.load(path, expected="f" * 16)
-    path.write_bytes(b"text\n")
-    seal(path)
+        packed.Pack(pack.path).read("f" * 16)
     with pytest.raises(DatabaseError, match="no packed dataset"):
-        packed.read(path)
-    np.savez(path, **{".": np.array('{"dims": {}, "coords": [], "attrs": {}}')})  # as before arrays stood in rows
-    seal(path)
-    with pytest.raises(DatabaseError, match="no packed dataset"):
-        packed.read(path)
+        with_content(pack.path, b"text\n").read(NAME)
 
 
 def test_pickled_objects_are_never_read(tmp_path):
-    """Objects of Python are never read, however well the file is sealed."""
-    path = tmp_path / "one.npz"
+    """Objects of Python are never read, however well they are sealed."""
     header = '{"dims": {"a": ["x"]}, "coords": [], "attrs": {}, "kinds": {"a": ["|O", [1]]}}'
-    np.savez(path, **{".": np.array(header), "|O": np.array([{}], dtype=object)})
-    seal(path)
+    content = io.BytesIO()
+    np.savez(content, **{".": np.array(header), "|O": np.array([{}], dtype=object)})
     with pytest.raises(
         DatabaseError,
-        match=r"one.npz: no packed dataset \(it is damaged, cut short or not what its name says\); delete it",
+        match=r"one.pack: no packed dataset \(it is damaged, cut short or not what its name says\); delete it",
     ):
-        packed.read(path)
+        with_content(tmp_path / "one.pack", content.getvalue()).read(NAME)

@@ -8,6 +8,7 @@ import json
 import math
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar, cast
 
@@ -110,11 +111,15 @@ class Brief(Section):
     @model_serializer(mode="wrap")
     def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         said: dict[str, Any] = dump(self)
-        fields = type(self).model_fields
-        absent = {
-            n for n in self.BRIEF or fields if getattr(self, n) == fields[n].get_default(call_default_factory=True)
-        }
+        absent = {name for name, default in _defaults(type(self)) if getattr(self, name) == default}
         return {key: value for key, value in said.items() if key not in absent}
+
+
+@cache
+def _defaults(section: type[Brief]) -> list[tuple[str, Any]]:
+    """Keys a section leaves out of its JSON while they have their defaults, and these."""
+    fields = section.model_fields
+    return [(name, fields[name].get_default(call_default_factory=True)) for name in section.BRIEF or fields]
 
 
 def at_key(data: object, key: str) -> Any:
@@ -137,13 +142,13 @@ def _plain(data: object) -> object:
     """Make data fit for JSON: tuples to lists, numbers that are whole stay as floats, infinity to "inf"."""
     if isinstance(data, float):  # first: most of what is named by its contents are frequencies
         return ("inf" if data > 0 else "-inf") if math.isinf(data) else data + 0.0  # no negative zero
-    if isinstance(data, BaseModel):
-        return _plain(data.model_dump())
+    if data is None or isinstance(data, str | int):
+        return data
     if isinstance(data, dict):
         return {str(key): _plain(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
         return [_plain(value) for value in data]
-    return data
+    return _plain(data.model_dump()) if isinstance(data, BaseModel) else data
 
 
 def leaves(data: object, name: str = "") -> dict[str, object]:

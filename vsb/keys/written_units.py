@@ -4,7 +4,7 @@ One place for every key: its unit is that of `vsb.keys.meanings`, of a take-off 
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from pydantic import BaseModel
@@ -49,13 +49,17 @@ def with_units_read(raw: Any, model: type[BaseModel], rebuilt: Rebuilt) -> Any:
     return _changed(raw, (), changes, rebuilt) if changes else raw
 
 
-def _texts(raw: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
+def _texts(raw: Any, place: Place = ()) -> list[tuple[Place, str]]:
     """All texts of nested mappings and lists, and where they stand."""
     if isinstance(raw, str):
-        yield place, raw
-    inner = raw.items() if isinstance(raw, Mapping) else enumerate(raw) if isinstance(raw, list | tuple) else ()
-    for part, value in inner:
-        yield from _texts(value, (*place, part))
+        return [(place, raw)]
+    if isinstance(raw, list | tuple):
+        inner: Iterable[tuple[Any, Any]] = enumerate(raw)
+    elif isinstance(raw, Mapping):
+        inner = raw.items()
+    else:
+        return []
+    return [one for part, value in inner if not isinstance(value, float) for one in _texts(value, (*place, part))]
 
 
 def changed(raw: Any, place: Place, value: float, rebuilt: Rebuilt) -> Any:

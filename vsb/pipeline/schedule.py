@@ -28,7 +28,7 @@ def left(plan: Plan, stale: Collection[str] = ()) -> list[Job]:
 
 def is_short(plan: Plan, stale: Collection[str] = ()) -> bool:
     """Return whether what is left of a plan is done without Snakemake."""
-    return sum(_seconds_here(plan, job) for job in left(plan, stale)) <= SHORT
+    return _seconds_here(plan, left(plan, stale)) <= SHORT
 
 
 def workers(some: Sequence[Task]) -> int:
@@ -55,19 +55,22 @@ def longest_chains(some: Sequence[Task]) -> list[float]:
     return found
 
 
-def _seconds_here(plan: Plan, job: Job) -> float:
-    """What a job takes in a process that is there [s]; members of a campaign that are finished are kept."""
-    return sum(task.seconds * _share_left(plan, task) for task in job.tasks)
+def _seconds_here(plan: Plan, some: Sequence[Job]) -> float:
+    """What jobs take in a process that is there [s]; members of a campaign that are finished are kept."""
+    tasks = [task for job in some for task in job.tasks]
+    if not isinstance(plan, CampaignPlan):
+        return sum(task.seconds for task in tasks)
+    from vsb.tools.packed import packs
 
+    stored = packs(Path(plan.folder, "members"))
 
-def _share_left(plan: Plan, task: Task) -> float:
-    """Which part of a task is to be done."""
-    if not (isinstance(plan, CampaignPlan) and task.stage == "members"):
-        return 1.0
-    from vsb.tools.packed import SUFFIX
+    def share_left(task: Task) -> float:
+        if not stored or task.stage != "members":
+            return 1.0
+        batch = plan.members_by_batch[Path(task.makes[0]).stem]
+        return sum(one.id not in stored for one in batch) / len(batch)
 
-    batch = plan.members_by_batch[Path(task.makes[0]).stem]
-    return sum(not Path(plan.folder, "members", f"{one.id}{SUFFIX}").exists() for one in batch) / len(batch)
+    return sum(task.seconds * share_left(task) for task in tasks)
 
 
 def seconds_of_jobs(plan: Plan) -> float:
@@ -86,6 +89,6 @@ def cost_line(plan: Plan, known: Mapping[str, float]) -> str:
     """
     some = left(plan)
     better = sum(known[task.makes[0]] - task.seconds for job in some for task in job.tasks if task.makes[0] in known)
-    seconds = costs.START_OF_A_PROCESS + sum(_seconds_here(plan, job) for job in some) + better
+    seconds = costs.START_OF_A_PROCESS + _seconds_here(plan, some) + better
     seconds += seconds_of_jobs(plan)
     return f"cost         {len(some)} of {len(jobs(plan))} jobs to do: about {costs.plain_seconds(seconds)} on one core"

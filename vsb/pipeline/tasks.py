@@ -277,11 +277,11 @@ def _year(plan: CampaignPlan) -> Iterator[Task]:
     databases = tuple(one.database_path for one in bodies.values())
     for name, batch in plan.batches.items():
         files, out = {**read, "folder": f"{folder}/members"}, plan.batch_path(name)
-        seconds = costs.members_seconds(plan, plan.members_by_batch[name])
-        minutes = plan.batch_minutes
+        own, minutes = plan.members_by_batch[name], plan.batch_minutes
+        seconds, memory = costs.members_seconds(plan, own), 2000 + 2 * plan.megabytes(len(own))
         yield Task(
             "members", batch, {**files, "out": out}, (out,), databases, name,
-            seconds=seconds, megabytes=2000, minutes=minutes,
+            seconds=seconds, megabytes=memory, minutes=minutes,
         )  # fmt: skip
     if plan.verifications:
         yield from (replace(_radiation(one), on_the_way=True) for one in bodies.values())
@@ -295,11 +295,13 @@ def _year(plan: CampaignPlan) -> Iterator[Task]:
     data, table, stamps, whole = plan.data_path, plan.table_path, {"manifest": plan.manifest}, plan.identity
     files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "out": data, "table": table}
     files, needs = {**files, **stamps}, (*plan.batch_paths, *plan.verification_paths)
-    yield Task("campaign", plan.campaign, files, (data, table), needs, whole, seconds=0.3, megabytes=4000)
+    memory, seconds = 2000 + plan.megabytes(len(plan.members)), 1e-3 * len(plan.members)
+    yield Task("campaign", plan.campaign, files, (data, table), needs, whole, seconds=0.3 + seconds, megabytes=memory)
     report = f"{folder}/report.html"
     files = {**read, "data": data, "figures": f"{folder}/figures", "out": report, **stamps}
     made = (report, *plan.figure_paths)
-    yield Task("campaign_report", plan.campaign, files, made, (data,), whole, seconds=3.0, megabytes=4000)
+    seconds += 3.0
+    yield Task("campaign_report", plan.campaign, files, made, (data,), whole, seconds=seconds, megabytes=memory)
 
 
 # a design problem ---------------------------------------------------------------------------------------------------

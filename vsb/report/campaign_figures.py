@@ -165,6 +165,7 @@ def _over_limits(ds: xr.Dataset, one: xr.Dataset) -> xr.Dataset:
 
 def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     """Draw gains over what is varied: lines over one key, a map over two, the line of buckling over it."""
+    ds = ds.drop_dims(("hs", "te", "damper"), errors="ignore")  # what is sorted is copied
     varied = str(ds.attrs["varied"]).split()
     keys = [name for name in varied if ds[name].size > 1]
     others = [design for design in ds.design.values if design != reference]

@@ -1,7 +1,7 @@
 """All members of a campaign together: one dimension for each varied key, and the same as a tidy table."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POW
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import first_rigid
-from vsb.study.vary import MEMBER, PORT, Vary, unit
+from vsb.study.vary import MEMBER, PORT, unit
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.ports import PortKind
 from vsb.tools.tables import csv_text
@@ -45,23 +45,33 @@ def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
     return xr.Dataset({**values, **same}, coords={**first.coords, MEMBER: list(ids)})
 
 
-def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
+def gathered(spec: CampaignSpec, batches: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return the results of all members over the dimensions of what is varied.
 
     Parameters
     ----------
-    batches : sequence of Dataset
-        Each with the dimension `member`, whose coordinate holds ids.
+    batches : iterable of Dataset
+        Each with the dimension `member`, whose coordinate holds ids; one after the other, for all are gigabytes.
     """
-    whole = xr.concat(batches, dim=MEMBER, data_vars="minimal", coords="minimal", compat="override")
-    ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
     names, kind = spec.vary.dimensions(VARIABLES), _port_kind(spec)
     coordinates = {
         name: (MEMBER if spec.vary.together else name, _values(values), {"units": unit(key, kind), "long_name": key})
         for (key, name), values in zip(names.items(), spec.vary.lists, strict=True)
     }
     attrs = {"varied": " ".join(names.values()), **_attrs(spec)}
-    return _unfolded(ordered, spec.vary, list(names.values())).assign_coords(coordinates).assign_attrs(attrs)
+    place, found = {one: i for i, one in enumerate(spec.members)}, dict[str, tuple[tuple[str, ...], AnyArray]]()
+    for batch in batches:
+        at, same = [place[str(one)] for one in batch[MEMBER].values], batch.drop_dims(MEMBER)
+        for name, variable in batch.drop_vars(MEMBER).data_vars.items():
+            if MEMBER not in variable.dims:
+                continue
+            dims, values = tuple(map(str, variable.dims[1:])), variable.values
+            if name not in found:
+                found[str(name)] = (dims, np.empty((len(place), *values.shape[1:]), values.dtype))
+            found[str(name)][1][at] = values
+    over, shape = ((MEMBER,), (len(place),)) if spec.vary.together and names else ((*names.values(),), spec.vary.shape)
+    unfolded = {name: ((*over, *dims), one.reshape((*shape, *one.shape[1:]))) for name, (dims, one) in found.items()}
+    return same.assign(unfolded).assign_coords(coordinates).assign_attrs(attrs)
 
 
 def _attrs(spec: CampaignSpec) -> dict[str, str]:
@@ -87,20 +97,6 @@ def _port_kind(spec: CampaignSpec) -> PortKind:
 def _values(values: Sequence[float | str]) -> AnyArray:
     """Values of a key as a coordinate."""
     return np.array(values, dtype=object if isinstance(values[0], str) else float)
-
-
-def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
-    """The dataset with a dimension for each key in place of the one of members, or none if there is but one member."""
-    if vary.together and names:
-        return ds
-
-    def unfolded(variable: xr.DataArray) -> xr.Variable:
-        rest = [str(dim) for dim in variable.dims if dim != MEMBER]
-        values = variable.transpose(MEMBER, *rest).values
-        return xr.Variable((*names, *rest), values.reshape((*vary.shape, *values.shape[1:])))
-
-    kept = ds.drop_dims(MEMBER)
-    return kept.assign({name: unfolded(v) for name, v in ds.data_vars.items() if MEMBER in v.dims})
 
 
 def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -38,10 +38,14 @@ from vsb.tools.stamps import record
 
 
 def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
-    """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
+    """Write the members of a batch, each to the end of one file as soon as it is finished, then all as netCDF.
+
+    Members that are in another file of the folder, of batches that were cut otherwise, are taken from there.
+    """
     batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
     work = Work(read_climate(spec.climate, climate), spec, root)
-    found = [finished(Path(folder) / f"{one.id}{packed.SUFFIX}", one, work) for one in batch]
+    stored, own = packed.packs(folder), packed.Pack(Path(folder, f"{Path(out).stem}{packed.SUFFIX}"))
+    found = [finished(stored.get(one.id), own, one, work) for one in batch]
     ids = [one.id for one in batch]
     save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
 
@@ -102,16 +106,16 @@ def at_rest(
     return rest, buoy_of_shape
 
 
-def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
-    """Return the results of a member from its file, written now if it is not there or not what it should be."""
+def finished(stored: packed.Pack | None, own: packed.Pack, one: Member, work: Work) -> xr.Dataset:
+    """Return the results of a member from where they are stored, computed and written now if they are not."""
     try:
-        return packed.load(path, expected=one.id)
+        if stored:
+            return stored.read(one.id)
     except DatabaseError as error:
-        if path.exists():
-            print(f"{error} It is computed anew.")
+        print(f"{error} It is computed anew.")
     found = work.results(one)
     found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
-    packed.save(found, path)
+    own.append(found)
     return found
 
 
@@ -172,7 +176,7 @@ def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
 
 def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:
     """Write the results of a campaign from its batches and from what runs in time say."""
-    found = gathered(spec, [load(Path(batches) / f"{batch}.nc", expected=batch) for batch in spec.batches])
+    found = gathered(spec, (load(Path(batches) / f"{batch}.nc", expected=batch) for batch in spec.batches))
     runs = [load(Path(verifications) / f"{one}.nc", expected=one) for one in spec.verifications]
     found = with_verification(spec, found, runs)
     identity = content_id(spec)

@@ -96,7 +96,8 @@ def summary(plan: CampaignPlan) -> list[str]:
     given = plan.loaded.campaign
     shapes = len({one.spec.sweep for one in plan.members})
     kinds = "shapes of the water" if plan.loaded.base.buoy else "databases"
-    done = sum(Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists() for one in plan.members)
+    stored = packed.packs(Path(plan.folder, "members"))
+    done = sum(one.id in stored for one in plan.members) if stored else 0
     jobs = sum(not Path(path).exists() for path in plan.batch_paths)
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",

@@ -6,7 +6,6 @@ from typing import Any, overload
 
 from vsb.errors import ConfigError
 from vsb.study import plans
-from vsb.study.campaign import study_at
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.degree import degree_needed
 from vsb.study.plan import BodyPlan, StudyPlan
@@ -41,14 +40,16 @@ def with_degree(plan: Plan) -> Plan:
         return plan
     if "modes.degree" in plan.loaded.campaign.vary.keys:
         return plan
-    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, needed(plan))}), root=plan.root)
+    degree = needed(plan)
+    studies = tuple(_with(one.buoy, degree) if one.buoy else one for one in plan.studies)
+    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, degree)}), plan.root, studies)
 
 
 def needed(plan: StudyPlan | CampaignPlan) -> int:
     """Return the degree of the full basis that `modes.tolerance` needs, whatever degree is given."""
     if isinstance(plan, StudyPlan):
         return degree_needed(plan.study)
-    return max(degree_needed(study_at(plan.base, point)) for point in plan.loaded.campaign.vary.points)
+    return max(degree_needed(one.buoy) for one in plan.studies if one.buoy)
 
 
 def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:

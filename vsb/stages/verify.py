@@ -104,7 +104,7 @@ def _other_faults(folder: Path, known: set[str], trash: Path) -> list[Fault]:
             found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
     for path in (path for path in others(f"*{packed.SUFFIX}") if id_in(path) == path.stem and str(path) not in known):
         try:
-            packed.load(path, expected=path.stem)
+            packed.Pack(path).check()
         except DatabaseError as error:
             found.append(unreadable(path, error))
     for path in others(MANIFEST):

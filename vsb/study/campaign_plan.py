@@ -4,10 +4,12 @@ A member is one point of what is varied, over the whole year, every design and t
 campaign's files alone, so that a dry run shows the true plan; within a batch finished members are kept.
 """
 
+import gc
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any
@@ -56,6 +58,8 @@ MATRICES_WITHIN_SECONDS = 150.0
 """Of the damper matrices of a given rms force in each of these bins."""
 WITH_LOSSES = 5.0
 """That with losses in conversion, over it: weights are found by repetition."""
+YEAR_MEGABYTES = 0.02
+"""Of a design's year under one tuning, power matrices and all."""
 OVER_BUDGET = 2.0
 """CPU time of optima within limits over their budget, by which their number was chosen; measured 2.1 to 3 on a busy
 machine."""
@@ -74,6 +78,18 @@ VARIABLES = (
 def _shared(one: "Member") -> tuple[Any, ...]:
     """What members may share: coefficients of a shape, a take-off, and shapes and buckling of a thickness."""
     return one.spec.sweep, canonical(one.study.pto), one.study.buoy.device.thickness if one.study.buoy else 0.0
+
+
+@contextmanager
+def _kept() -> Iterator[None]:
+    """Do not look for what could be freed among a hundred thousand points, all of which stay: a third of their time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 @dataclass(frozen=True)
@@ -105,10 +121,21 @@ def members(
         `vsb.study.campaign.sections` of the study.
     tuning : sequence of {'fixed', 'one', 'each', 'constrained'}
     """
-    swept: dict[str, tuple[str, ...]] = {}  # members of one shape share it
+    some = [*points]
+    return members_of([any_study_at(base, point) for point in some], some, climate, tuning, constrained)
+
+
+def members_of(
+    studies: Iterable[AnyStudy],
+    points: Iterable[Point],
+    climate: ClimateSpec,
+    tuning: Sequence[Tunings],
+    constrained: Constrained | None = None,
+) -> list[Member]:
+    """Return the same of studies that are read already."""
+    swept: dict[Hashable, tuple[str, ...]] = {}  # members of one shape share it
     found = []
-    for point in points:
-        study = any_study_at(base, point)
+    for study, point in zip(studies, points, strict=True):
         if (shape := _shape(study)) not in swept:
             swept[shape] = _coefficients(study)
         kind = BodySystem if isinstance(study, BodyStudy) else BuoySystem
@@ -125,14 +152,17 @@ def _coefficients(study: AnyStudy) -> tuple[str, ...]:
     return tuple(content_id(spec) for spec in specs)
 
 
-def _shape(study: AnyStudy) -> str:
+def _shape(study: AnyStudy) -> Hashable:
     """All that coefficients depend on: of an undeformed shell neither its material nor its clamps."""
     if isinstance(study, BodyStudy):
         return canonical([study.body, study.dofs, study.hydro])
-    device = study.device if study.rests_deformed else (study.device.radius, study.device.mass, study.device.shape)
-    degree = study.modes.max_degree if study.flexible else None
-    shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
-    return canonical([device, shell, study.water, study.hydro, list(study.orders)])
+    device = study.device
+    of_shell: Hashable = study.modes.max_degree if study.flexible else None
+    own: Hashable = device.radius, device.mass, device.shape
+    if study.rests_deformed:
+        of_shell = study.modes, study.reference_shape
+        own = tuple(value for name, value in device if name != "damping")
+    return own, of_shell, study.water, study.hydro, study.orders
 
 
 @dataclass(frozen=True)
@@ -142,6 +172,7 @@ class CampaignPlan(ResultsFolder):
     KIND = "campaign"
     loaded: LoadedCampaign
     root: str = "results"
+    read: tuple[AnyStudy, ...] = field(default=(), repr=False, compare=False)  # studies of the points, if they are
 
     @property
     def name(self) -> str:
@@ -164,14 +195,24 @@ class CampaignPlan(ResultsFolder):
         return ClimateSpec.of(self.loaded.campaign.climate, self.loaded.climate_id)
 
     @cached_property
-    def members(self) -> list[Member]:
-        """Members in the order of the points.
+    def studies(self) -> tuple[AnyStudy, ...]:
+        """Studies in the order of the points.
 
         Raises `ConfigError` if a point has no study; in one line with its values.
         """
-        loaded = self.loaded
         try:
-            found = members(self.base, loaded.campaign.vary.points, self.climate, loaded.tuning, loaded.constrained)
+            with _kept():
+                return self.read or tuple(any_study_at(self.base, point) for point in self.loaded.campaign.vary.points)
+        except ConfigError as error:
+            raise ConfigError(f"{self.loaded.source}: vary: {error}") from None
+
+    @cached_property
+    def members(self) -> list[Member]:
+        """Members in the order of the points; raises as `studies` does."""
+        loaded, points = self.loaded, self.loaded.campaign.vary.points
+        with _kept():
+            found = members_of(self.studies, points, self.climate, loaded.tuning, loaded.constrained)
+        try:
             for one in found:
                 loaded.check_take_off(one.study, where_of(one.point))
         except ConfigError as error:
@@ -220,6 +261,10 @@ class CampaignPlan(ResultsFolder):
         """What a batch may take [min]: an hour, and what its members are expected to take."""
         most = max(map(len, self.members_by_batch.values()))
         return 60 + math.ceil(self.member_seconds * most / 60)
+
+    def megabytes(self, points: int) -> int:
+        """Memory that the results of some points take, beside that of a process [MB]."""
+        return math.ceil(YEAR_MEGABYTES * points * len(self.loaded.base.designs) * len(self.loaded.tuning))
 
     @cached_property
     def verifications(self) -> dict[str, VerificationSpec]:

@@ -113,7 +113,7 @@ SCALE = "scale"
 """The key that scales the whole study by Froude, no key of its own."""
 MEMBER = "member"
 """Dimension of points that are no product."""
-MOST_POINTS = 10_000
+MOST_POINTS = 100_000
 """Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
 SECTIONS = ("device", "body", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""

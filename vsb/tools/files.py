@@ -189,11 +189,18 @@ def seal_of(content: bytes) -> bytes:
 
 def sealed(path: str | Path) -> bool:
     """Return whether a file ends with its checksum; a wrong one raises `DatabaseError`."""
-    content = Path(path).read_bytes()
-    end = content.rfind(SEAL, max(0, len(content) - len(SEAL) - 64))
-    if end >= 0 and content[end + len(SEAL) :] != hashlib.sha256(memoryview(content)[:end]).hexdigest().encode():
+    found = is_sealed(Path(path).read_bytes())
+    if found is False:
         raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
-    return end >= 0
+    return bool(found)
+
+
+def is_sealed(content: bytes) -> bool | None:
+    """Return whether contents are those of the checksum they end with; None if they have none."""
+    end = content.rfind(SEAL, max(0, len(content) - len(SEAL) - 64))
+    if end < 0:
+        return None
+    return content[end + len(SEAL) :] == hashlib.sha256(memoryview(content)[:end]).hexdigest().encode()
 
 
 def checksum(groups: "Mapping[str, xr.Dataset]") -> str:

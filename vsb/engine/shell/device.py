@@ -305,6 +305,7 @@ def cap_volume(radius: float, height: float) -> float:
     return math.pi * height**2 * (3 - height) / 3 * radius**3
 
 
+@lru_cache(maxsize=64)
 def floating_height(radius: float, volume: float) -> float:
     """Return the height of the centre at which the immersed cap, pi h^2 (3r - h)/3, has the given volume."""
     low, high = 0.0, 2 * radius
