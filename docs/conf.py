@@ -1,6 +1,7 @@
 """How the documentation is built: `make docs`, every warning an error."""
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -25,7 +26,7 @@ nb_execution_raise_on_error = True
 nb_merge_streams = True
 nb_output_stderr = "remove"  # lines of progress
 exclude_patterns = ["_build", "requirements.*", "reference/materials.md"]  # which is included in a page
-html_static_path, html_css_files = ["_static"], ["vsb.css"]
+html_static_path, html_css_files, html_js_files = ["_static"], ["vsb.css"], ["keys.js"]
 html_theme, html_title = "furo", f"vsb {release}"
 html_copy_source = html_show_sourcelink = False
 autodoc_member_order = "bysource"
@@ -53,7 +54,31 @@ def _formula(display):
     return visit
 
 
+ACCESSIBLE = {
+    ' role="heading">': ' role="heading" aria-level="2">',
+    '<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="all pages">',
+    '<aside class="toc-drawer">': '<aside class="toc-drawer" aria-label="this page">',
+    '<div class="table-wrapper': '<div tabindex="0" role="group" aria-label="table" class="table-wrapper',
+    '<div class="cell_output': '<div tabindex="0" role="group" aria-label="output" class="cell_output',
+}
+"""What readers by keyboard or ear need, and the theme and its tools leave out."""
+
+
+def _accessible(app, exception):
+    """Add it to the pages; a head without words is a cell, and a page has a heading of the first level."""
+    for path in Path(app.outdir).rglob("*.html"):
+        text = page = path.read_text(encoding="utf-8")
+        for found, better in ACCESSIBLE.items():
+            text = text.replace(found, better)
+        text = re.sub(r"<th([^>]*)>(?:<p></p>|\s*)</th>", r"<td\1></td>", text)
+        if "<h1" not in text:
+            text = text.replace('<div id="search-results">', '<h1>Search</h1><div id="search-results">')
+        if text != page:
+            path.write_text(text, encoding="utf-8")
+
+
 def setup(app):
-    """Register the changes to docstrings and formulas."""
+    """Register the changes to docstrings, formulas and pages."""
+    app.connect("build-finished", _accessible)
     app.connect("autodoc-process-docstring", _bars)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))

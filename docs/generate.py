@@ -17,6 +17,7 @@ from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.study import Study
 from vsb.tools.commands import commands
+from vsb.tools.words import superscripts
 
 DOCS = Path(__file__).parent
 FILES = {
@@ -53,6 +54,9 @@ Generated from the models that check a file, so it is complete. Units are SI; nu
 A key with several units takes plain numbers.
 Editors with a YAML language server complete and check files by `vsb schema`:
 save its output as `vsb.schema.json` and begin a study with `# yaml-language-server: $schema=vsb.schema.json`."""
+SEARCH = """\
+<p hidden><label>Search keys: <input id="find-key" type="search" placeholder="device damping"></label>
+<output id="found-keys" for="find-key"></output></p>"""
 COMMANDS_PREFACE = """\
 `vsb COMMAND --help` shows the same. Exit code 0 is success, 1 a failed check, 2 a mistake in a file or command,
 reported in one line each."""
@@ -81,7 +85,7 @@ def materials_table() -> str:
 
 def keys_page() -> str:
     """Return every key with unit, default, range, example and meaning, from the models."""
-    lines = ["# Every key", "", KEYS_PREFACE, ""]
+    lines = ["# Every key", "", KEYS_PREFACE, "", SEARCH, ""]
     for root, (model, title, text) in FILES.items():
         schema = schema_of(model)
         lines += [f"## {title}", "", text, ""]
@@ -116,7 +120,7 @@ def key_table(name: str, section: Schema) -> list[str]:
     for key, its in section["properties"].items():
         entry, required = KEYS[name][key], key in section.get("required", [])
         default = "**required**" if required else shown(its.get("default"))
-        cells = (f"`{key}`", entry.meaning, entry.unit, default, allowed(its), f"`{entry.example}`")
+        cells = (f"`{key}`", entry.meaning, superscripts(entry.unit), default, allowed(its), f"`{entry.example}`")
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return lines
 

@@ -30,7 +30,7 @@ PICTURE = HOME / "docs" / "report.png"
 FOLDER = HOME / "results" / "published"
 """Results of each source, in a folder of its name."""
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-WINDOW = (1040, 892)
+WINDOW = (1040, 912)
 """Size of the picture: the top of the report."""
 
 
