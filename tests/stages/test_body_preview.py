@@ -22,7 +22,7 @@ from vsb.engine.hydro.panels.rings import quick_green_function
 from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.reading import validated
-from vsb.stages.body_preview import check, check_wave, drifting_motions, solved_lines, solving_seconds
+from vsb.stages.body_preview import check, check_wave, drifting_motions, held_still, solved_lines, solving_seconds
 from vsb.stages.coefficients import finely_solved
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
@@ -202,3 +202,11 @@ def test_too_few_frequencies_are_refused_in_words_of_the_file(tmp_path):
     found = located(raw, str(tmp_path / "ball.yaml"))
     with pytest.raises(ConfigError, match=r"^body: received 2 of 2 frequencies of the database above zero; needs 4 or"):
         check(BodyPlan(found.study, root=str(tmp_path), files=found.files))
+
+
+def test_stiffness_far_above_the_band_is_doubted():
+    """A motion of 1 kg with 1e5 times the stiffness that gives it the end of the band; none without mass."""
+    database = xr.Dataset(coords={"omega": [1.0, 2.0]})
+    body = SimpleNamespace(labels=("Heave", "Pitch"), mass=np.diag([1.0, 0.0]), database=database)
+    assert held_still(SimpleNamespace(**vars(body), stiffness=4e5 * np.eye(2))) == [("Heave", 4e5)]
+    assert held_still(SimpleNamespace(**vars(body), stiffness=4e3 * np.eye(2))) == []

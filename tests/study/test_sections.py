@@ -59,7 +59,7 @@ BAD = [
     (("hydro",), {"power_tolerance": 0.1}, r"power_tolerance 0.1: only model auto has one"),
     (("hydro",), {"model": "assumed_pressure"}, r"hydro: pressure: missing; model assumed_pressure needs its amplitude in Pa"),
     (("waves",), [{"kind": "jonswap", "hs": 1, "tp": 0.4}], r"waves.0 jonswap_Hs1_Tp0.4_g3.3_s1: the wave is too short"),
-    (("simulation", "window"), [60], r"simulation.window.1: .*required"),
+    (("simulation", "window"), [60], r"simulation.window.1: .*too short"),
     (("study",), "a" * 65, r"study: received 'a+'; needs at most 64 characters"),
     (("hydro", "accept"), ["haskind", "haskin"], r"hydro.accept \['haskin'\]: no such check; needs some of error_estimate, .*haskind"),
     (("study",), "../evil", r"study: received '../evil'; needs letters, digits and _"),

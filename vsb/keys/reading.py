@@ -218,12 +218,16 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
     """
     if not isinstance(raw, dict):
         received = "nothing" if raw is None else "a list" if isinstance(raw, list) else shortened(repr(raw))
-        raise ConfigError(f"{source}: received {received}, needs a mapping with keys {', '.join(model.model_fields)}")
+        required = [name for name, its in model.model_fields.items() if its.is_required()]
+        raise ConfigError(
+            f"{source}: received {received}, needs a mapping with keys {', '.join(required)}; "
+            f"of all there are: {', '.join(model.model_fields)}"
+        )
     given = in_si(model, raw)
     try:
         return model.model_validate(given)
     except ValidationError as error:
-        found = _ordered(error)
+        found = _without_misspelt(_ordered(error), given, model)
         lines = [
             f"{source}{_line_of(one, given)}: {_message(one, error.title, given, model)}{_guess(one, given, model)}"
             for one in found[:MOST_REPORTED]
@@ -261,6 +265,17 @@ def _ordered(error: ValidationError) -> list[ErrorDetails]:
     inner = {one["loc"][:n] for one in found for n in range(len(one["loc"]))}
     found = [one for one in found if one["type"] != "too_short" or one["loc"] not in inner]  # not of wrong items
     return sorted(found, key=lambda one: one["type"] != "extra_forbidden")
+
+
+def _without_misspelt(found: list[ErrorDetails], raw: object, model: type[BaseModel]) -> list[ErrorDetails]:
+    """The errors without the keys that are missing only because they are misspelt."""
+    meant = {
+        (*one["loc"][:-1], words[1])
+        for one in found
+        if one["type"] == "extra_forbidden"
+        and (words := re.search(r"did you mean (\w+)\?$", _needed(one, _written(one, raw), raw, model)))
+    }
+    return [one for one in found if one["type"] != "missing" or one["loc"] not in meant]
 
 
 def _lines(error: ErrorDetails) -> list[str]:
@@ -339,7 +354,8 @@ def _message(error: ErrorDetails, title: str, raw: object, model: type[BaseModel
     """An error in one line: key, value received, what is needed."""
     place = _written(error, raw)
     key = shortened(".".join(map(str, place))) or _in_words(title)
-    received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
+    given = "nothing" if error["input"] is None else shortened(repr(error["input"]))
+    received = "" if isinstance(error["input"], dict | BaseModel) else f" received {given};"
     return " ".join(f"{key}:{received} {_needed(error, place, raw, model)}".split())
 
 
@@ -357,6 +373,7 @@ _WORDS = {
     "float_type": "needs a number",
     "greater_than": "needs a number above {gt:g}",
     "greater_than_equal": "needs a number of at least {ge:g}",
+    "invalid_key": "needs a word as a key; a number has a decimal point, 2.0, not a comma",
     "int_from_float": "needs a whole number",
     "int_parsing": "needs a whole number",
     "int_parsing_size": "needs a whole number of fewer digits",
@@ -386,7 +403,11 @@ def _needed(error: ErrorDetails, place: Place, raw: object, model: type[BaseMode
         if misread := _misread_key(key):
             return f"unknown key; {misread}"
         meant = (same(key, keys_at(schema, within)) or hint(schema, place[:-1], key)) if schema else ""
+        if not meant and (kinds := _kinds_with(schema, key, raw, place)):
+            return f"unknown key; it belongs to kind {kinds}"
         return "unknown key; " + (f"did you mean {meant}?" if meant else "remove it or correct its spelling")
+    if kind == "missing" and isinstance(place[-1], int):
+        return "the list is too short; needs a value here, too"
     if kind == "missing":
         what = keys_at(schema, place[:-1]).get(str(place[-1]), {}).get("description", "") if schema else ""
         return f"missing, but required{what and ': '}{what}"
@@ -406,10 +427,25 @@ def _needed(error: ErrorDetails, place: Place, raw: object, model: type[BaseMode
         return f"needs a number{what and ': '}{what}" + (f"; did you mean {meant}?" if meant else "")
     if kind in ("list_type", "tuple_type") and isinstance(error["input"], str | int | float):
         return f"needs a list, [{shortened(str(error['input']))}]"
+    if kind in ("list_type", "tuple_type") and isinstance(error["input"], dict):
+        return "received a mapping; needs a list of them: square brackets around it"
+    if kind in ("model_type", "dict_type", "model_attributes_type") and isinstance(error["input"], list):
+        example = keys_at(schema, place[:-1]).get(str(place[-1]), {}).get("examples", [""])[0] if schema else ""
+        return "needs a mapping of keys and values" + (f" such as {example}" if example else "")
     if kind in ("model_type", "dict_type", "model_attributes_type") and re.match(r"\w+:\S", str(error["input"])):
         return "needs a mapping of keys and values: a space behind every colon"
     what = error["msg"] if kind == "value_error" else _WORDS.get(kind, "needs another value").format(**ctx)
     return what + (_meant(error["input"], str(ctx["expected"])) if kind == "literal_error" else "")
+
+
+def _kinds_with(schema: Schema, key: str, raw: object, place: Place) -> str:
+    """Kinds, of those whose kind is chosen, that have a key, with `or`; empty where there is no kind."""
+    section = _value_at(raw, place[:-1])
+    if not isinstance(section, Mapping) or "kind" not in section:
+        return ""
+    forms = (one.get("properties", {}) for one in schema.get("$defs", {}).values())
+    kinds = [str(form["kind"]["const"]) for form in forms if key in form and "const" in form.get("kind", {})]
+    return " or ".join(kinds)
 
 
 def _misread_key(key: str) -> str:

@@ -36,6 +36,9 @@ from vsb.study.plan import BodyPlan
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
+STIFF = 100.0
+"""Natural frequency over the highest one of the database from which a motion is held still."""
+
 
 class CheckedBody(NamedTuple):
     """What is known of a body before it is solved."""
@@ -116,6 +119,13 @@ def drifting_motions(labels: Sequence[str], loose: FloatArray, waves: Sequence[W
         found = np.maximum(found, np.abs(free @ (free.T @ along)))
     named = [motion_of(label) in ("Surge", "Sway") for label in labels]
     return [label for label, size, is_named in zip(labels, found, named, strict=True) if is_named and size > 1e-3]
+
+
+def held_still(body: LinearSystem) -> list[tuple[str, float]]:
+    """Return the motions, with their stiffness, whose dry natural frequency is `STIFF` times the end of the band."""
+    inertia, stiffness = np.diag(body.mass), np.diag(body.stiffness)
+    still = (inertia > 0) & (stiffness > inertia * (STIFF * float(body.database.omega.values[-1])) ** 2)
+    return [(label, float(k)) for label, k, of_it in zip(body.labels, stiffness, still, strict=True) if of_it]
 
 
 def _off_axis(checks: Sequence[Check]) -> str:
@@ -244,6 +254,11 @@ def summary(plan: BodyPlan) -> list[str]:
         "waves leave it, and translation may leave linear theory; a mooring (body.stiffness) or other dofs prevent it"
         for design, names in drifting.items()
         if names
+    ]
+    lines += [
+        f"doubt        stiffness: {label} has {stiffness:.3g} N/m (rotations: N m/rad), which hold it still in these "
+        "waves; in another unit? A design whose dofs leave it out needs no stiffness"
+        for label, stiffness in held_still(body)
     ]
     history = mesh.history if mesh else str(body.database.attrs.get("history", ""))
     lines += [f"note         {part}" for part in history.split("; ") if part and not part.startswith("read from")]

@@ -67,10 +67,10 @@ def _ranges(study: Study) -> Iterator[_Range]:
 
 @contextlib.contextmanager
 def units_doubted(study: BaseStudy) -> Iterator[None]:
-    """Add to a `ConfigError` raised inside the units that may be its cause."""
+    """Put before a `ConfigError` raised inside the units that may be its cause."""
     try:
         yield
     except ConfigError as error:
         if not (lines := unlikely_units(study)):
             raise
-        raise ConfigError(str(error), [*error.mistakes, *lines]) from None
+        raise ConfigError(lines[0], [*lines, *error.mistakes]) from None

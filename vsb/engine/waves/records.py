@@ -176,7 +176,10 @@ def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Co
         times.append(seconds * instant)
         elevations.append(elevation * metres if abs(elevation * metres) <= HIGHEST else math.nan)
     if not FEWEST <= len(times) <= MOST:
-        raise ConfigError(f"{where}: received {len(times)} samples in {path.name}, needs {FEWEST} to {MOST}")
+        raise ConfigError(
+            f"{where}: received {len(times)} samples in {path.name}, needs {FEWEST} to {MOST}: lines of time [s] and "
+            "elevation [m]"
+        )
     step, repaired, remarks = _checked(path, lines, times, elevations, seconds * _written_to(written), repair, accept)
     held: dict[str, Any] = {"step": step, "elevation": repaired, "notes": [*notes, *remarks]}
     if not all(table.units) and len({*repaired}) > 1:
