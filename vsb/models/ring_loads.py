@@ -16,6 +16,7 @@ from vsb.engine.hydro.orders import ORDER
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.take_off import BetweenPort, PortChoice, SeveralPorts, ShellPort, StrainPort
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
+from vsb.engine.shell.kinks import KinkModes
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.rings import (
     HIGHEST,
@@ -27,7 +28,6 @@ from vsb.engine.shell.rings import (
     normal_to_wall,
     vertical,
 )
-from vsb.engine.shell.shell import Shell
 from vsb.models.rest import loaded_shell, order_bases, order_stiffness, side_by_side
 from vsb.study.specs import AnyBuoy
 
@@ -85,11 +85,11 @@ def _of_port(port: PortChoice) -> list[Load]:
 
 
 def has_attachment_modes(study: AnyBuoy) -> bool:
-    """Return whether all degrees of a study's shell answer its loads at rings: of a sphere with both branches of modes.
+    """Return whether all degrees of a study's shell answer its loads at rings: those with both branches of modes.
 
-    Of other shapes, and of modes one asks for by name, those of the basis do.
+    Of modes one asks for by name those of the basis do.
     """
-    return bool(study.flexible and study.device.shape is None and study.modes.basis == "full")
+    return bool(study.flexible and study.modes.basis == "full")
 
 
 def with_rings(
@@ -112,7 +112,8 @@ def with_rings(
     above = basis.highest_degree if degree is None else degree
     if highest <= max(above, 1):
         return reference
-    rings = _ring_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
+    modes = _ring_modes if basis.shell.rest is None else _kink_modes
+    rings = modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
     further = order_loads(study)
     orders = range(1, 1 + (study.modes.order if study.motion != "heave" and further else 0))
     tension = _tension(study, reference, further)
@@ -128,12 +129,8 @@ def with_rings(
     return ReferenceShell(_with_basis(reference.shape, whole), stiffness)
 
 
-@lru_cache(maxsize=KEPT)
-def _ring_modes(
-    shell: Shell, degree: int, loads: tuple[Load, ...], tension: tuple[float, ...], highest: int, order: int = 0
-) -> RingModes:
-    """Modes of rings; the last are kept, for members of a campaign that differ by their take-off have the same."""
-    return RingModes(shell, degree, loads, tension, highest, order)
+_ring_modes, _kink_modes = lru_cache(KEPT)(RingModes), lru_cache(KEPT)(KinkModes)
+"""Members of a campaign that differ by their take-off have the same."""
 
 
 def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:

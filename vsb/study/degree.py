@@ -9,6 +9,7 @@ from vsb.engine.motion.take_off import (
     LinePort,
     PortChoice,
     SeveralPorts,
+    ShellPort,
     StrainPort,
 )
 from vsb.study.sections import DEGREES
@@ -72,7 +73,9 @@ def degree_needed(study: AnyBuoy) -> int:
     (`vsb.results.left_out`).
     """
     stiffness, port = wall_stiffness(study, 2), study.pto.port
-    within, turns = _any(port, _within_shell), _any(port, _turns)
+    held = study.pto.held is not None and study.pto.held.place == "heave"
+    within = _any(port, _within_shell) or (held and _any(port, _at_ring))
+    turns = _any(port, _turns)
     flatter = SHAPES if study.device.shape is not None else 1.0
     factor = (
         MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
@@ -89,7 +92,14 @@ def _any(port: PortChoice, kind: Callable[[PortChoice], bool]) -> bool:
 
 def _within_shell(port: PortChoice) -> bool:
     """Whether a port moves with the shell alone."""
+    if isinstance(port, ShellPort):
+        return port.against == "frame"
     return port == "volume" or isinstance(port, BetweenPort | DistributedPort | StrainPort)
+
+
+def _at_ring(port: PortChoice) -> bool:
+    """Whether a port acts at a ring of the shell; it moves with the shell alone where heave is held."""
+    return isinstance(port, ShellPort)
 
 
 def _between_points(port: PortChoice) -> bool:

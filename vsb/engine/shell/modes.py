@@ -16,8 +16,8 @@ from scipy.optimize import minimize_scalar
 
 from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block
 from vsb.engine.shell.device import Basis, Device
-from vsb.engine.shell.rings import RingModes
-from vsb.engine.shell.ritz import matrices, natural_modes, strains
+from vsb.engine.shell.rings import AttachmentModes, RingModes
+from vsb.engine.shell.ritz import matrices, natural_modes, of_degrees, strains
 from vsb.engine.shell.shell import Shell, frequency_parameter, legendre
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
@@ -122,7 +122,7 @@ class ModeBasis:
     bending: bool  # whether the energy of bending is part of the stiffness
     alpha: float = 0.0  # mass-proportional damping [1/s]
     beta: float = 0.0  # stiffness-proportional damping [s]
-    rings: RingModes | None = None  # what higher degrees do under loads at rings
+    rings: AttachmentModes | None = None  # what higher degrees do under loads at rings
     order_rings: tuple[RingModes, ...] = ()  # the same of azimuthal orders 1, 2, ..., see `vsb.engine.shell.orders`
 
     @cached_property
@@ -424,7 +424,10 @@ def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray,
     another meridian, between its poles, those of `vsb.engine.shell.ritz`.
     """
     if basis.shell.rest is not None:
-        found, shapes = strains(basis.shell.rest, basis.highest_degree, colatitude), basis.displacements
+        found, shapes = (
+            strains(basis.shell.rest, colatitude, of_degrees(basis.highest_degree, colatitude)),
+            basis.displacements,
+        )
         return shapes @ found.meridional, shapes @ found.hoop, shapes @ found.rotation
     p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
     radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
@@ -440,7 +443,10 @@ def curvature_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArr
     another meridian, between its poles, those of `vsb.engine.shell.ritz`.
     """
     if basis.shell.rest is not None:
-        found, shapes = strains(basis.shell.rest, basis.highest_degree, colatitude), basis.displacements
+        found, shapes = (
+            strains(basis.shell.rest, colatitude, of_degrees(basis.highest_degree, colatitude)),
+            basis.displacements,
+        )
         return shapes @ found.meridional_bending, shapes @ found.hoop_bending
     p, _, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
     n, r = np.array(basis.degrees)[:, None], basis.shell.radius

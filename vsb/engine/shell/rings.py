@@ -1,4 +1,4 @@
-"""Residual attachment modes of a spherical shell under loads along rings: clamps, held rings, take-offs on rings.
+"""Residual attachment modes of a shell under loads along rings: clamps, held rings, take-offs on rings.
 
 Such a load acts along a line, and all degrees yield to it: normal to the wall like n^-4, by bending, but along it like
 n^-2, by stretching, so that modes up to degree N miss something like 1/N. The static response of degrees above N
@@ -9,6 +9,7 @@ degree. One further shape for each load,
 
 is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves hardly any water, its
 wavelengths being short, and none is counted.
+Those of other shapes than the sphere are in `vsb.engine.shell.kinks`.
 
 Loads that go with cos(m theta), m >= 1, do the same: of radial displacements and gradients along the surface a degree
 has the stiffness it has for m = 0 (`vsb.engine.shell.orders`). They also twist the wall,
@@ -21,6 +22,7 @@ is that of shear, G h (n-1)(n+2) int (u^2 + w^2) dA/r^2; a tension p r/2 adds to
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -124,9 +126,70 @@ def vertical(colatitude: float) -> RingLoad:
     return RingLoad(float(colatitude), float(np.cos(colatitude)), float(-np.sin(colatitude)))
 
 
+class AttachmentModes(ABC):
+    """Residual attachment modes of a shell: its static response to loads at rings by all degrees above those it has.
+
+    They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in more directions than it
+    moves in, have no modes of their own.
+    """
+
+    loads: tuple[RingLoad | BeltLoad, ...]
+    order: int = 0
+
+    @property
+    @abstractmethod
+    def _under_loads(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass, elastic stiffness and that of the tension over responses to loads, and twists, each (shape, shape)."""
+
+    @abstractmethod
+    def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return displacements along e_r, e_phi and e_theta at colatitudes [rad], each shape (mode, point) [-]."""
+
+    @abstractmethod
+    def mean_strains(self, upper: float, lower: float) -> tuple[FloatArray, FloatArray]:
+        """Return the mean strains around the axis and along the meridian of a belt, each shape (mode,) [1/m]."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the modes."""
+        of_order = f"c{self.order}" if self.order else ""
+        return tuple(f"Ring{i}{of_order}" for i in range(1, self._combinations.shape[1] + 1))
+
+    @cached_property
+    def _combinations(self) -> FloatArray:
+        """Responses and twists of the modes, one column for each: of equal stiffness and without coupling."""
+        _, elastic, stretched = self._under_loads
+        loads = slice(len(self.loads))
+        compliance, directions = np.linalg.eigh((elastic + stretched)[loads, loads])
+        kept = compliance > SAME * compliance[-1]
+        combined = directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1])
+        stiffness = np.diag(elastic)[len(self.loads) :]
+        return np.asarray(block_diag(combined, np.diag(1 / np.sqrt(stiffness * compliance[-1]))))
+
+    def _over_modes(self, matrix: FloatArray) -> FloatArray:
+        """A matrix over the loads as one over the modes."""
+        found = self._combinations.T @ matrix @ self._combinations
+        return np.asarray((found + found.T) / 2)
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass, shape (mode, mode) [kg]."""
+        return self._over_modes(self._under_loads[0])
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Elastic stiffness, shape (mode, mode) [N/m]."""
+        return self._over_modes(self._under_loads[1])
+
+    @cached_property
+    def prestress(self) -> FloatArray:
+        """Stiffness by the tension of the wall, shape (mode, mode) [N/m]; of order m of degrees above N alone."""
+        return self._over_modes(self._under_loads[2])
+
+
 @dataclass(frozen=True)
-class RingModes:
-    """Residual attachment modes of a sphere: its static response to loads at rings by all degrees above one.
+class RingModes(AttachmentModes):
+    """Residual attachment modes of a sphere, degree by degree.
 
     Parameters
     ----------
@@ -141,11 +204,6 @@ class RingModes:
         Degree to which they are summed.
     order : int
         Azimuthal order m, of loads and modes.
-
-    Notes
-    -----
-    They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in more directions than it
-    moves in, have no modes of their own.
     """
 
     shell: Shell
@@ -154,12 +212,6 @@ class RingModes:
     tension: tuple[float, ...]
     highest: int = HIGHEST
     order: int = 0
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the modes."""
-        of_order = f"c{self.order}" if self.order else ""
-        return tuple(f"Ring{i}{of_order}" for i in range(1, self._combinations.shape[1] + 1))
 
     @cached_property
     def _degrees(self) -> IntArray:
@@ -224,37 +276,6 @@ class RingModes:
         elastic = elastic + self.shell.shear_stiffness * (twists.T * shear) @ twists
         stretched = stretched + (twists[far].T * shear[far]) @ twists[far]
         return mass, elastic, np.asarray(np.add.outer(tension, tension) / 2 * stretched)
-
-    @cached_property
-    def _combinations(self) -> FloatArray:
-        """Responses and twists of the modes, one column for each: of equal stiffness and without coupling."""
-        _, elastic, stretched = self._under_loads
-        loads = slice(len(self.loads))
-        compliance, directions = np.linalg.eigh((elastic + stretched)[loads, loads])
-        kept = compliance > SAME * compliance[-1]
-        combined = directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1])
-        stiffness = np.diag(elastic)[len(self.loads) :]
-        return np.asarray(block_diag(combined, np.diag(1 / np.sqrt(stiffness * compliance[-1]))))
-
-    def _over_modes(self, matrix: FloatArray) -> FloatArray:
-        """A matrix over the loads as one over the modes."""
-        found = self._combinations.T @ matrix @ self._combinations
-        return np.asarray((found + found.T) / 2)
-
-    @cached_property
-    def inertia(self) -> FloatArray:
-        """Mass, shape (mode, mode) [kg]."""
-        return self._over_modes(self._under_loads[0])
-
-    @cached_property
-    def stiffness(self) -> FloatArray:
-        """Elastic stiffness, shape (mode, mode) [N/m]."""
-        return self._over_modes(self._under_loads[1])
-
-    @cached_property
-    def prestress(self) -> FloatArray:
-        """Stiffness by the tension of the wall, shape (mode, mode) [N/m]; of order m of degrees above N alone."""
-        return self._over_modes(self._under_loads[2])
 
     @cached_property
     def twists(self) -> tuple[IntArray, FloatArray]:

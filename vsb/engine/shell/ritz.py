@@ -45,23 +45,47 @@ class Strains:
     hoop_bending: FloatArray
 
 
-def strains(meridian: ClosedMeridian, degree: int, phi: FloatArray) -> Strains:
-    """Return the strains of a shell by radial displacements of degrees 0..degree and meridional ones of 1..degree.
+class Displacements(NamedTuple):
+    """Displacements along e_r and e_phi and their derivatives by the angle, each (displacement, point) [-]."""
+
+    v: FloatArray
+    dv: FloatArray
+    ddv: FloatArray
+    u: FloatArray
+    du: FloatArray
+    ddu: FloatArray
+
+
+def of_degrees(degree: int, phi: FloatArray) -> Displacements:
+    """Return radial displacements of degrees 0..degree and meridional ones of 1..degree.
 
     Parameters
     ----------
     phi : ndarray, shape (point,) [rad]
         Between the poles.
     """
-    at, (ddx, ddz), sin, cos = curve(meridian, phi), bend(meridian, phi), np.sin(phi), np.cos(phi)
     p, dp, ddp = legendre(degree, phi)
-    n = np.arange(degree + 1)[:, None]
+    n, sin, cos = np.arange(degree + 1)[:, None], np.sin(phi), np.cos(phi)
     dddp = dp / sin**2 - cos / sin * ddp - n * (n + 1) * dp  # Legendre's equation, differentiated
     none = np.zeros_like(p[1:])
-    v, dv, ddv = (np.concatenate([part, none]) for part in (p, dp, ddp))
-    u, du, ddu = (np.concatenate([0 * p, part[1:]]) for part in (dp, ddp, dddp))
-    along_r, along_phi = dv - u, du + v  # of ds/dphi
-    turn_r, turn_phi = ddv - du - along_phi, ddu + dv + along_r  # of its own derivative
+    radial = [np.concatenate([part, none]) for part in (p, dp, ddp)]
+    meridional = [np.concatenate([0 * p, part[1:]]) for part in (dp, ddp, dddp)]
+    return Displacements(*radial, *meridional)
+
+
+def strains(meridian: ClosedMeridian, phi: FloatArray, of: Displacements) -> Strains:
+    """Return the strains of a shell by displacements.
+
+    Parameters
+    ----------
+    phi : ndarray, shape (point,) [rad]
+        Between the poles.
+    of : Displacements
+        At these points.
+    """
+    at, (ddx, ddz), sin, cos = curve(meridian, phi), bend(meridian, phi), np.sin(phi), np.cos(phi)
+    along_r, along_phi = of.dv - of.u, of.du + of.v  # of ds/dphi
+    turn_r, turn_phi = of.ddv - of.du - along_phi, of.ddu + of.dv + along_r  # of its own derivative
     slope = length(at.dx, at.dz)
     tangent = at.dx * sin + at.dz * cos, at.dx * cos - at.dz * sin  # along e_r and e_phi, times the slope
     normal = at.dx * cos - at.dz * sin, -(at.dz * cos + at.dx * sin)
@@ -72,7 +96,7 @@ def strains(meridian: ClosedMeridian, degree: int, phi: FloatArray) -> Strains:
     turned = change / slope**2 - 2 * stretched * rotation
     return Strains(
         (along_r * tangent[0] + along_phi * tangent[1]) / slope**2,
-        (v * sin + u * cos) / at.x,
+        (of.v * sin + of.u * cos) / at.x,
         rotation,
         -turned / slope,
         -rotation * at.dx / (at.x * slope),
@@ -118,8 +142,8 @@ def _near(a: FloatArray, b: FloatArray) -> bool:
 def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
     """The same by so many points of quadrature."""
     found, area, mass = _of_unit_wall(shell.meridian, degree, points)
-    membrane = shell.membrane_stiffness * _energy(found.meridional, found.hoop, shell.poisson_ratio, area)
-    bending = shell.bending_stiffness * _energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
+    membrane = shell.membrane_stiffness * energy(found.meridional, found.hoop, shell.poisson_ratio, area)
+    bending = shell.bending_stiffness * energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
     return Matrices(shell.density * shell.thickness * mass, membrane, bending)
 
 
@@ -132,11 +156,19 @@ def _of_unit_wall(meridian: ClosedMeridian, degree: int, points: int) -> tuple[S
     p, dp, _ = legendre(degree, phi)
     radial, meridional = (p * area) @ p.T, (dp[1:] * area) @ dp[1:].T
     none = np.zeros((degree + 1, degree))
-    return strains(meridian, degree, phi), area, np.block([[radial, none], [none.T, meridional]])
+    return strains(meridian, phi, of_degrees(degree, phi)), area, np.block([[radial, none], [none.T, meridional]])
 
 
-def _energy(a: FloatArray, b: FloatArray, ratio: float, area: FloatArray) -> FloatArray:
-    """Return int (a a + b b + nu (a b + b a)) dA."""
+def energy(a: FloatArray, b: FloatArray, ratio: float, area: FloatArray) -> FloatArray:
+    """Return int (a a + b b + nu (a b + b a)) dA of strains or curvatures a, b of displacements, by quadrature.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (displacement, point)
+    ratio : float
+        nu [-].
+    area : ndarray, shape (point,) [m^2]
+    """
     mixed = (a * area) @ b.T
     return np.asarray((a * area) @ a.T + (b * area) @ b.T + ratio * (mixed + mixed.T))
 
