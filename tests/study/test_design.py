@@ -172,7 +172,11 @@ def test_errors_in_a_design_file(folder, changes, message):
     [
         ({"designs": {"FSB": {"flexible": False}}}, "study: received seed.yaml without a flexible design"),
         ({"hydro": {"model": "assumed_pressure", "pressure": 1800.0}}, "which knows no waves"),
-        ({"pto": {"damping": 8000.0, "force_limit": 1000.0}}, "a nonlinear take-off"),
+        (
+            {"pto": {"damping": 8000.0, "force_limit": 1000.0}},
+            r"a nonlinear take-off \(force_limit: 1000\).*needs law: linear",
+        ),
+        ({"pto": {"damping": 8000.0, "law": "latching"}}, r"\(law: latching\).*or tuning: causal"),
         ({"pto": {"damping": 8000.0, "port": "volume"}}, "pto.port that a rigid buoy does not move.*needs heave"),
         ({"pto": {"damping": 8000.0, "port": {"colatitude": 0, "against": "frame"}}}, "a rigid buoy does not move"),
         ({"pto": {"control": {"force_rms": 1e3}}}, r"study: pto.control.force_rms: received 1000; that of a design is"),

@@ -613,8 +613,20 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
     _check_port(problem, study, mistakes)
     if study.pto.nonlinear:
         mistakes.add(
-            "study", f"{problem.study} has a nonlinear take-off; needs law: linear without force or stroke limit"
+            "study",
+            f"{problem.study} has a nonlinear take-off ({_nonlinear(study.pto)}), whose year has no derivatives; needs "
+            "law: linear without limits, with limits.force_rms and stroke_rms in this file, or tuning: causal; "
+            "optimum.yaml can then be run with any law",
         )
+
+
+def _nonlinear(pto: Pto) -> str:
+    """What makes a take-off nonlinear, as its file says it."""
+    if pto.law != "linear":
+        return f"law: {pto.law}"
+    return ", ".join(
+        f"{name}: {one:g}" for name in ("force_limit", "stroke_limit") if (one := getattr(pto, name)) < math.inf
+    )
 
 
 def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
@@ -636,13 +648,16 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
         mistakes.add("verify", "received with several ports, or the whole shell; runs in time of designs need one port")
     if problem.tuning == CAUSAL and not comparable(pto) and (pto.several or other):
         mistakes.add(
-            "tuning", f"received causal with pto.port of {problem.study}; needs one port that acts with a force"
+            "tuning",
+            f"received causal with pto.port of {problem.study}; needs one port that acts with a force, or tuning: one",
         )
     if problem.fatigue and study.opens_chamber:
         mistakes.add("fatigue", "received with gas between port and take-off (pto.port: volume); needs another port")
     if isinstance(pto.port, SeveralPorts):
         if problem.fatigue:
-            mistakes.add("fatigue", "received with several ports; the damage of the wall is computed with one damper")
+            mistakes.add(
+                "fatigue", "received with several ports, whose damper matrix has no derivatives; needs one port"
+            )
         for key in (one.key for one in problem.variables if one.key in ("pto.damping", "pto.stiffness")):
             mistakes.add(("variables", key), "received with several ports, which have a damper matrix, the best one")
     elif pto.several and "pto.stiffness" in (one.key for one in problem.variables):
