@@ -473,6 +473,7 @@ def test_several_ports_keep_the_force_of_all_together(folder):
         ({"study": unlike, "limits": {"force_rms": 5e3}}, r"limits\.force_rms.*no one load"),
         ({"study": study, "limits": {"stroke_rms": 0.5}}, r"limits\.stroke_rms.*no one stroke"),
         ({"study": study, "maximise": "power_per_force"}, r"maximise.*no one load"),
+        ({"study": study, "limits": {"force_rms": 5e3}, "competitor": {"port": "heave"}}, r"force_rms.*no one load"),
     ):
         with pytest.raises(ConfigError, match=words):
             planned(folder, "refused", free, **changes)

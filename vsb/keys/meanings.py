@@ -229,7 +229,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "efficiency": Key(
             "-",
             "0.9",
-            "of both directions of power, in the control levels but `constrained` and `matched`, and in campaigns",
+            "of both directions of power, in control levels but `constrained` and `matched`, in campaigns and designs",
         ),
         "port": Key(
             "",
@@ -653,7 +653,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "mass": Key("kg", "20000.0", "mass of shell and ballast"),
         "surface": Key("m^2", "60.0", "area of the shell"),
         "volume": Key("m^3", "40.0", "volume the shell encloses"),
-        "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year", "load_unit"),
+        "force_rms": Key(
+            "N", "20000.0", "root mean square of the take-off's force over the year, of several together", "load_unit"
+        ),
         "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year", "motion_unit"),
         "spring_pull": Key(
             "-",

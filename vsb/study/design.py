@@ -477,7 +477,7 @@ class LoadedDesign(Section):
                 "directions of power"
             )
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
-        if bound and "pto.damping" not in keys and problem.tuning != CAUSAL:
+        if bound and "pto.damping" not in keys and problem.tuning != CAUSAL and not self.base.pto.several:
             found.append(
                 f"limits.{bound[0]}: the damper is the optimal one for power, whatever the limit; with pto.damping "
                 "among the variables it could give way"
@@ -665,10 +665,11 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
     if comparable(pto) or not (pto.several or other):
         return
     why = "which has no one load" if pto.several else "which has another load than the rigid buoy's in heave"
-    limited = ("stroke_rms",) if of_forces(pto) else ("force_rms", "stroke_rms")
+    alike = of_forces(pto) and not other
+    limited = ("stroke_rms",) if alike else ("force_rms", "stroke_rms")
     for section, names in (("limits", problem.limits.given), ("pareto", problem.pareto)):
         for name in (name for name in limited if name in names):
-            reason = "which has no one stroke" if of_forces(pto) else why
+            reason = "which has no one stroke" if alike else why
             mistakes.add((section, name), f"received with pto.port of {problem.study}, {reason}; remove it")
     if problem.maximise == "power_per_force" or "force_rms" in problem.prices:
         key = "maximise" if problem.maximise == "power_per_force" else "cost"
