@@ -52,7 +52,11 @@ ARGUMENTS = {
     "DESIGN": "file of a design problem", "CONFIG|FOLDER": "file of a study, or a folder of results",
     "CONFIG|DATABASE.nc": "file of a study, or a hydro database", "OUT": "name of the files to write, without ending",
     "TRAJECTORY.nc": "file of results/STUDY/trajectories", "OUT.csv|OUT.nc": "file to write",
-    "FOLDER": "folder of files", "NAME": "name of the files without ending", "DATABASE.nc": "hydro database to write",
+    "body CONFIG": "body file: its mesh, motions and frequencies", "shell CONFIG": "file of a study of a buoy",
+    "shape-dependence CONFIG": "file of a study of a buoy", "import-wamit FOLDER": "folder of WAMIT's output",
+    "import-nemoh FOLDER": "folder of NEMOH's results",
+    "FOLDER": "folder to write the files into", "NAME": "name of the files without ending",
+    "DATABASE.nc": "hydro database to write",
     "FILE.h5": "file of BEMIO", "RESULTS": "folder of finished results of a study",
 }  # fmt: skip
 """What positional arguments are, by their names."""
@@ -322,7 +326,7 @@ def _command(commands: Any, name: str, text: str, handler: Handler, /, **places:
     if example := EXAMPLES.get(name):
         one.epilog = f"example: vsb {name} {example}"
     for place, metavar in places.items():
-        one.add_argument(place, metavar=metavar, help=ARGUMENTS[metavar])
+        one.add_argument(place, metavar=metavar, help=ARGUMENTS.get(f"{name} {metavar}", ARGUMENTS[metavar]))
     one.set_defaults(handler=handler, command=one)
     return one
 

@@ -57,7 +57,7 @@ def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes
     with pytest.raises(ConfigError) as error:
         reference_shell(study)
     text = str(advised(study, error.value))
-    assert "without straining it too far; from about" in text
+    assert "without straining it too far; from a thickness of about" in text
     modulus, pressure = re.search(r"or from young_modulus (\S+) MPa at (\S+) Pa, it is stable \(tried\)", text).groups()
     better = soft({"young_modulus": 1e6 * float(modulus), "internal_pressure": float(pressure)}, **device)
     rest = reference_shell(better)
@@ -76,7 +76,7 @@ def test_what_is_advised_about_the_undeformed_shape_passes_its_checks(shape):
     """
     study = soft({}, mass=17170.0, **shape).model_copy(update={"reference_shape": "undeformed"})
     (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "computed_buckling")
-    words = r"where its law ends at 10 %; from about (\S+) mm at (\S+) Pa, or from young_modulus (\S+) MPa at (\S+) Pa"
+    words = r"where its law ends at 10 %; from a thickness of about (\S+) mm at (\S+) Pa, or from young_modulus (\S+) MPa at (\S+) Pa"
     wall, at, modulus, pressure = map(float, re.search(words, line.advice).groups())
     for changes in (
         {"thickness": 1e-3 * wall, "internal_pressure": at},

@@ -90,6 +90,9 @@ def test_new_campaign_is_of_a_study_and_a_table_of_seas(tmp_path, monkeypatch, c
     assert (plan.name, plan.loaded.campaign.study, len(plan.members)) == ("year", "../buoy.yaml", 2)
     with pytest.raises(ConfigError, match=r"year_site\.csv: exists already; give the campaign a new name"):
         init_campaign("sub/year.yml", "buoy.yaml")
+    init_body("hull.yaml")
+    init_campaign("sub/hulls.yaml", "hull.yaml")
+    assert plan_of("sub/hulls.yaml").loaded.campaign.study == "../hull.yaml"
     (tmp_path / "my: buoys").mkdir()
     init("my: buoys/buoy.yaml")
     assert init_campaign("one.yaml", "my: buoys/buoy.yaml") == "one_site.csv"  # a path YAML needs in quotes

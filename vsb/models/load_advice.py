@@ -171,7 +171,7 @@ def _words(study: Study, *, of_wall: bool) -> str:
     """The wall, or the modulus, of a study in words."""
     size = f"{float(f'{_size(study, of_wall=of_wall):.2g}'):g}"
     if of_wall:
-        return f"about {size} mm"
+        return f"a thickness of about {size} mm"
     hooke = isinstance(study.device.material, Hookean)
     return f"young_modulus {size} MPa" if hooke else f"a shear modulus of {size} MPa"
 

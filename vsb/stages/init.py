@@ -8,6 +8,7 @@ from pathlib import Path
 import yaml
 
 from vsb.errors import ConfigError
+from vsb.keys.reading import read_yaml
 from vsb.study.body import located
 from vsb.study.campaign import read
 from vsb.study.design import read as read_design
@@ -17,6 +18,7 @@ from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 
 EXAMPLE, BODY, CAMPAIGN, DESIGN = (HOME / "config" / f"{name}.yaml" for name in ("buoy", "float", "year", "best_buoy"))
+BODY_CAMPAIGN = HOME / "config" / "float_year.yaml"
 SITE = """Hs/Te, 5,  6, 7, 8, 9
 0.75,  5,  8, 6, 3, 1
 1.25,  4, 10, 9, 5, 2
@@ -61,7 +63,7 @@ def init_body(path: str) -> None:
 def init_campaign(path: str, study: str) -> str:
     """Write a commented campaign of a study, named after its file, and a table of occurrences beside it.
 
-    Raises `ConfigError` as `init`, if the study is none of a buoy, or the table exists.
+    Raises `ConfigError` as `init`, if the study is none of a buoy or a body, or the table exists.
 
     Returns
     -------
@@ -72,9 +74,13 @@ def init_campaign(path: str, study: str) -> str:
     site = target.with_name(f"{target.stem}_site.csv")
     if site.exists():
         raise ConfigError(f"{site}: exists already; give the campaign a new name")
-    load(study)
+    raw = read_yaml(study, "a study file such as config/buoy.yaml")
+    of_body = isinstance(raw, dict) and "body" in raw
+    located(raw, study) if of_body else load(study)
     base = base if re.fullmatch(r"[\w./-]+", base) else json.dumps(base)  # quoted as YAML reads it
-    text = _adapted(CAMPAIGN, target, campaign=target.stem, study=base, climate=f"{{scatter: {site.name}}}")
+    climate = f"{{scatter: {site.name}{', direction: 0.0' * of_body}}}"
+    shipped = BODY_CAMPAIGN if of_body else CAMPAIGN
+    text = _adapted(shipped, target, campaign=target.stem, study=base, climate=climate)
     text = re.sub("# or {scatter:.*", "# percent of the year: put your site's in its place, or {spectra: FILE}", text)
     write_text(site, SITE)
     read(yaml.safe_load(text), path)

@@ -250,6 +250,8 @@ def test_a_hull_in_another_unit_weighs_its_water(tmp_path, more, factor):
     body = described(obj(tmp_path / "hull.obj", points / factor, [*side, keel]), mesh=more)
     assert body.mass[0, 0] == pytest.approx(1025.0 * VOLUME, rel=1e-7)
     assert f"lengths of the mesh multiplied by {factor:g}" in body.history
+    with pytest.raises(ConfigError, match=r"a hull .* m high with a draft of 0.01 m; needs metres, or the unit"):
+        described(tmp_path / "hull.obj", mesh={"draft": 0.01})
 
 
 def test_a_unit_is_one_of_length_and_not_beside_a_scale():

@@ -80,12 +80,22 @@ _UPRIGHT = {
 """The rotation that sets a hull upright, by the axis of its file that points upwards."""
 
 
+TALLEST = 100.0
+"""Height of a hull over its draft from which its file is rather in another unit."""
+
+
 def _placed(vertices: FloatArray, faces: IntArray, mesh: object) -> FloatArray:
     """The corners of a hull [m] turned upright and moved to its draft."""
     if not isinstance(mesh, PlacedMesh):
         return vertices
     upright: FloatArray = vertices @ np.array(_UPRIGHT[mesh.up], dtype=float).T
     if mesh.draft is not None:
+        height = float(np.ptp(upright[np.unique(faces), 2]))
+        if height > TALLEST * mesh.draft and mesh.metres == 1:
+            raise ConfigError(
+                f"mesh: received a hull {height:.4g} m high with a draft of {mesh.draft:g} m; needs metres, or the "
+                "unit of its file, such as unit: mm"
+            )
         upright[:, 2] -= upright[np.unique(faces), 2].min() + mesh.draft
     return upright
 
