@@ -10,6 +10,7 @@ import psutil
 
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
+from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
 from vsb.engine.waves.scatter import read_scatter
 from vsb.errors import ConfigError
@@ -35,6 +36,8 @@ FIGURE_SECONDS = 0.2
 LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.5, 0.5, (5.0, 25.0)
 """Of the control levels, and how many more of a design in an irregular sea, whose control is causal too; of a rigid
 and of a flexible one at several ports."""
+OF_FULL_MATRIX = 2.6
+"""The latter over that of a damper at each port alone."""
 BINS, ONCE = 90, 0.1
 """Bins of Hs and Te of the years in which causal control was timed, and the part of that time that any year takes."""
 COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (1.0, 0.2)
@@ -45,10 +48,13 @@ PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
 WITNESS_ROW2_SECONDS = 4e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 3e-3), "auto": (1.0, 5e-3)}
+RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 7e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
-OF_SHAPE = 20.0
-"""How many times as long a body-exact run of a shell of another shape than the sphere takes, of a stiff capsule."""
+DEGREE, BY_DEGREE, OF_RIGID = 9.0, 1.3, 1.5
+"""Of the shell modes with which body-exact runs were timed, the power of it their time grows with, and the degree that
+a rigid buoy counts as: measured from 6 to 20."""
+OF_SHAPE = 6.0
+"""How many times as long a body-exact run of another shape than the sphere takes: of capsules."""
 LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
@@ -56,7 +62,7 @@ LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
 REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.06
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out; and one that shares
 the shape of another, such as with another spring."""
-SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
+SEA_SECONDS = {"linear": 0.05, "body_exact": 0.2}
 """Of one design in one sea of `verify`, by model."""
 CONTROLLED_SEA_SECONDS = {"linear": 2.0, "body_exact": 8.0}
 """The same under a causal controller, its filter included."""
@@ -125,21 +131,23 @@ def ladder_seconds(study: BaseStudy) -> float:
     irregular = sum(isinstance(wave, IrregularSea) for wave in study.waves)
     if not study.pto.several or not isinstance(study, Study):
         return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
-    return LADDER_SECONDS + irregular * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
+    full = OF_FULL_MATRIX if isinstance(study.pto.port, SeveralPorts) and study.pto.port.matrix == "full" else 1.0
+    return LADDER_SECONDS + irregular * full * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
 
 
-def run_seconds(study: BaseStudy, wave: Wave) -> float:
+def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
     seas = 2.0 if isinstance(wave, IrregularSea) else 1.0  # of many components
     if study.buoy and study.buoy.hydro.model == "body_exact":
-        seas *= _of_shape(study.buoy)
+        seas *= _of_wall(study.buoy, flexible=flexible)
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
 
 
-def _of_shape(buoy: AnyBuoy) -> float:
-    """How many times as long a body-exact run takes as one of the sphere."""
-    return OF_SHAPE if buoy.device.shape and any(design.flexible for design in buoy.designs.values()) else 1.0
+def _of_wall(buoy: AnyBuoy, *, flexible: bool) -> float:
+    """How many times as long a body-exact run of a design takes as one of a sphere of modes to `DEGREE`."""
+    degree = buoy.modes.max_degree if flexible else OF_RIGID
+    return float((max(degree, OF_RIGID) / DEGREE) ** BY_DEGREE * (OF_SHAPE if buoy.device.shape else 1.0))
 
 
 def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
@@ -168,6 +176,7 @@ def verification_seconds(spec: VerificationSpec) -> float:
     """Return the CPU time of the seas of a member that are simulated, with the radiation memory they need [s]."""
     controlled = CAUSAL in spec.tuning
     each = (CONTROLLED_SEA_SECONDS if controlled else SEA_SECONDS)[spec.verify.model] * spec.verify.seas
+    designs = float(len(spec.designs))
     if spec.buoy and spec.verify.model == "body_exact":
-        each *= _of_shape(spec.buoy)
-    return MEMORY_SECONDS + (each + CAUSAL_YEAR_SECONDS * controlled) * len(spec.designs)
+        designs = sum(_of_wall(spec.buoy, flexible=one.flexible) for one in spec.buoy.designs.values())
+    return MEMORY_SECONDS + each * designs + CAUSAL_YEAR_SECONDS * controlled * len(spec.designs)

@@ -226,8 +226,9 @@ def _runs(plan: AnyPlan) -> Iterator[Task]:
     """One run in time per design and sea."""
     hydro = plan.hydro_files
     for wave in plan.study.waves:
-        seconds, memory = costs.run_seconds(plan.study, wave), plan.simulation_megabytes(wave)
-        for design in plan.study.designs:
+        memory = plan.simulation_megabytes(wave)
+        for design, one in plan.study.designs.items():
+            seconds = costs.run_seconds(plan.study, wave, flexible=one.flexible)
             spec, out = plan.simulation(design, wave), plan.trajectory_path(design, wave.label)
             files, needs, identity = {**hydro, "out": out}, tuple(hydro.values()), plan.trajectory_id(design, wave)
             yield Task("simulate", spec, files, (out,), needs, identity, seconds=seconds, megabytes=memory)
