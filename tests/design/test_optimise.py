@@ -76,6 +76,15 @@ def test_limits_that_leave_no_buoy_are_named_with_the_bound_they_conflict_with()
     assert np.hypot(*led.point.values) <= 0.6
 
 
+@pytest.mark.parametrize("place", [(5e-15, 1 - 5e-15), (0.0, 0.99), (1 - 1e-12, 1.0)])
+def test_a_start_that_all_but_touches_bounds_is_led_within_limits(place):
+    """As of the best buoy of another limit: round-off from its bounds, and far beyond this limit."""
+    of = problem(nearest, {"mass": 2.0})
+    led = within_limits(of, of.at(np.array(place)))
+    assert not led.conflict
+    assert np.hypot(*led.point.values) <= 2.0
+
+
 def test_newton_step_from_beyond_a_limit_lands_on_the_optimum():
     """Exact of a quadratic power and a linear limit, m + k <= 3: the point of that line nearest to (3, 1)."""
 

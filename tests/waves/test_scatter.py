@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import gamma as gamma_function
+from scipy.stats import norm, weibull_min
 
 from vsb.engine.waves.climate import is_doubt
 from vsb.engine.waves.scatter import (
@@ -183,3 +184,14 @@ def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma
     np.testing.assert_allclose(climate.hours, [0.5, 0.2, 0.3], rtol=1e-12)
     np.testing.assert_allclose(4 * np.sqrt(climate.variance), climate.hs, rtol=1e-3)
     np.testing.assert_allclose(climate.omega[climate.density.argmax(axis=1)], 2 * np.pi * ratio / te, rtol=0.025)
+
+
+def test_table_of_short_waves_is_its_formula():
+    """Hs after Weibull, Te normal about 4.4 s (Hs/1 m)^0.35, as the README of climates says."""
+    seas = read_scatter(SHIPPED.with_name("short_waves.csv"))
+    height, about = weibull_min(1.4, scale=0.8 / gamma_function(1 + 1 / 1.4)), norm(4.4 * seas.hs**0.35, 0.7)
+    share = (height.cdf(seas.hs + 0.25) - height.cdf(seas.hs - 0.25)) * (
+        about.cdf(seas.te + 0.5) - about.cdf(seas.te - 0.5)
+    )
+    assert seas.hours == pytest.approx(share / share.sum(), abs=1e-4)
+    assert seas.hours @ seas.hs == pytest.approx(0.8, abs=0.05)

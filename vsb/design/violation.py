@@ -23,6 +23,8 @@ from vsb.tools.arrays import FloatArray
 
 INSIDE = 1e-3
 """Distance from a limit that is aimed at, relative to it."""
+AT_BOUND = 1e-6
+"""Distance from a bound, in ranges, within which the phase begins at it: its first step would end there."""
 MOST = 40
 """Evaluations at most."""
 CERTAIN = 0.02
@@ -73,9 +75,10 @@ def within_limits(problem: Problem, start: Point, seen: Callable[[Point], None] 
     def slopes(place: FloatArray) -> FloatArray:
         return _slopes(problem.at(place))
 
+    begin = np.where(np.abs(start.place - np.round(start.place)) < AT_BOUND, np.round(start.place), start.place)
     try:
         end = least_squares(
-            residuals, start.place, slopes, bounds=(0.0, 1.0), method="dogbox", xtol=1e-5, ftol=1e-4, max_nfev=MOST
+            residuals, begin, slopes, bounds=(0.0, 1.0), method="dogbox", xtol=1e-5, ftol=1e-4, max_nfev=MOST
         )
     except _Within:
         return Phase(best)

@@ -221,12 +221,15 @@ def fronts(facts: Facts) -> list[str]:
         points = [one for one in of[FLEXIBLE] if one["gain"]]
         if not points:
             continue
+        known = {one["limit"] for one in points}
+        open_ = [with_unit(one["limit"], unit_of(limit)) for one in of[FLEXIBLE] if one["limit"] not in known]
         gains = gains_within([ends(one["gain"]) for one in points])
         each = [f"{gain} at {with_unit(one['limit'], unit_of(limit))}" for gain, one in zip(gains, points, strict=True)]
         if len(each) > LISTED:
             largest = max(range(1, len(each) - 1), key=lambda i: points[i]["gain"]["value"])
             each = [each[0], each[largest], each[-1]]
-        found.append(f"{where_it_gains(limit, points)}: {', '.join(each)}.")
+        without = f"; at {' and '.join(open_)} no proven optimum of both buoys" if open_ else ""
+        found.append(f"{where_it_gains(limit, points, every=not open_)}: {', '.join(each)}{without}.")
     return found
 
 
@@ -234,18 +237,21 @@ LINEAR = "By linear theory, its own error left aside, flexibility gains"
 """How a sentence on a front begins: its buoys are not followed in time."""
 
 
-def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
-    """Return at which values of a limit, ascending, the gain lies above zero with all its interval, in words."""
+def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]], *, every: bool = True) -> str:
+    """Return at which values of a limit, ascending, the gain lies above zero with all its interval, in words.
+
+    If these are not `every` value of the front nothing is said of those between and beside them.
+    """
     gains = [one["gain"]["low"] > 0 for one in points]
     values = [with_unit(one["limit"], unit_of(limit)) for one in points]
     count = sum(gains)
     if not count:
         return f"{LINEAR} at no limit of the {in_full(limit)} by more than the known errors"
-    if count == len(points):
+    if count == len(points) and every:
         return f"{LINEAR} at all limits of the {in_full(limit)} by more than the known errors"
-    if all(gains[:count]):
+    if every and all(gains[:count]):
         where = f"{values[count - 1]} or less"
-    elif all(gains[-count:]):
+    elif every and all(gains[-count:]):
         where = f"{values[-count]} or more"
     else:
         where = " and ".join(value for value, gain in zip(values, gains, strict=True) if gain)

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.design.certificate import VIOLATION
 from vsb.design.compared import COMPETITOR, FLEXIBLE, TWIN
 from vsb.report.campaign_figures import FEWEST_OF_A_LINE
 from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
@@ -73,8 +74,8 @@ def pareto(facts: Facts, limit: str) -> Figure:
     ax, unit = axes[0, 0], unit_of(limit)
     factor, prefix = (1e-3, "k") if limit in THOUSANDS and unit == "N" else (1.0, "")
     of_power = facts["maximise"] == "annual_mean_power"
-    for name, some in facts["fronts"][limit].items():
-        line = look(facts, name)
+    for name, points in facts["fronts"][limit].items():
+        line, some = look(facts, name), [one for one in points if one["violation"] <= VIOLATION]
         limits = factor * np.array([one["limit"] for one in some])
         values = [one["quantities"]["annual_mean_power"] / 1e3 if of_power else one["objective"] for one in some]
         ax.plot(

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from vsb import __version__
+from vsb.design.certificate import VIOLATION
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.problem import POWER
 from vsb.engine.motion.damper_matrix import matrix_text
@@ -192,7 +193,7 @@ def front_table(facts: Facts, limit: str) -> dict[str, Any]:
     rows: dict[float, list[str]] = {}
     for (name, one), text in zip(some, texts, strict=True):
         row = rows.setdefault(one["limit"], [with_unit(one["limit"], unit_of(limit)), "-", "-", "-", "optimum"])
-        row[1 if name == FLEXIBLE else 2] = text
+        row[1 if name == FLEXIBLE else 2] = text if one["violation"] <= VIOLATION else "-"
         if not one["accepted"]:
             row[4] = f"{name}: {one['message'] or 'not a proven optimum'}"
     for one, gain in zip(gained, gains, strict=True):

@@ -432,7 +432,7 @@ def significant(value: float, digits: int) -> float:
 
 
 def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, list[dict[str, Any]]]]:
-    """Pareto fronts by limit and buoy, each gain over the rigid buoy of the same limit."""
+    """Pareto fronts by limit and buoy, each gain over the rigid buoy of the same limit if both are proven optima."""
     found: dict[str, dict[str, list[dict[str, Any]]]] = {}
     names = [(limit, name) for limit in spec.pareto for name in _searches(spec)]
     points = {
@@ -441,7 +441,9 @@ def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, 
     }
     for (limit, name), some in points.items():
         rigid = {
-            value: buoy_of(COMPETITOR, spec.rigid, one) for value, one in points[limit, COMPETITOR] if name == FLEXIBLE
+            value: buoy_of(COMPETITOR, spec.rigid, one)
+            for value, one in points[limit, COMPETITOR]
+            if name == FLEXIBLE and one.accepted
         }
         found.setdefault(limit, {})[name] = []
         for value, one in some:
@@ -457,7 +459,7 @@ def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, 
                     "quantities": dict(one.quantities),
                     "point": one.point,
                     "power": known.power(buoy),
-                    "gain": known.gain(buoy, rigid[value]) if value in rigid else None,
+                    "gain": known.gain(buoy, rigid[value]) if value in rigid and one.accepted else None,
                     "not_valid": known.at_rest(buoy)["not_viable"],
                 }
             )
