@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -316,6 +316,63 @@ def best_buoy(folder: Path) -> dict[str, Value]:
     return found
 
 
+SITES: Mapping[str, dict[str, Any]] = {
+    "NDBC 46042": {"spectra": SEAS},
+    "PacWave": {"scatter": "config/climate/PacWave-South_Oregon_Wave-Resource.csv", "spectrum": "jonswap"},
+    "short waves": {"scatter": "config/climate/short_waves.csv", "spectrum": "jonswap"},
+}
+CONTROL_NAMES = {"one": "damper", "causal": "control"}
+AT_SITES = (("short waves", "one"), ("short waves", "causal"))
+SITE_FORCES = (5, 10, 20)
+"""Climates of the sites compared, names of take-offs by `tuning`, what is compared, and limits of force [kN]."""
+
+
+def best_buoy_of(site: str, tuning: str, folder: Path) -> dict[str, Value]:
+    """The best buoys of a site over the limit of force, with one damper or causal control, from one start each."""
+    raw = yaml.safe_load((HOME / "config" / "best_buoy.yaml").read_text(encoding="utf-8"))
+    climate = {key: str(HOME / value) if key != "spectrum" else value for key, value in SITES[site].items()}
+    name = f"{site.replace(' ', '_')}_{CONTROL_NAMES[tuning]}"
+    raw |= {"design": name, "study": str(EXAMPLE), "climate": climate, "tuning": tuning, "starts": 1}
+    raw["pareto"] = {"force_rms": [1e3 * force for force in SITE_FORCES]}
+    if tuning == CAUSAL:
+        raw["variables"] = {key: one for key, one in raw["variables"].items() if not key.startswith("pto.")}
+        raw["competitor"] = {"variables": ["device.radius", "device.mass"]}
+    write_text(folder / f"{name}.yaml", yaml.safe_dump(raw, sort_keys=False))
+    vsb_command("run", f"{name}.yaml", folder=folder)
+    best = vsb.open(folder / "results" / name)
+    assert isinstance(best, vsb.BestBuoy)
+    found: dict[str, Value] = {}
+    for buoy, points in best.facts["fronts"]["force_rms"].items():
+        for one in points:
+            at = f"{one['limit'] / 1e3:g}"
+            found[f"{buoy}.{at}"] = float(one["power"]["value"])
+            found[f"{buoy}.{at}.accepted"] = str(one["accepted"] and not one["not_valid"])
+            if one["gain"]:
+                found |= {f"gain.{at}.{end}": float(one["gain"][end]) for end in ("value", "low", "high")}
+    return found
+
+
+def best_buoy_runs(name: str, limits: Mapping[str, float], folder: Path) -> dict[str, Value]:
+    """The best buoys in short waves within the least force and other limits, and body-exact runs of both."""
+    raw = yaml.safe_load((HOME / "config" / "best_buoy.yaml").read_text(encoding="utf-8"))
+    climate = {"scatter": str(HOME / SITES["short waves"]["scatter"]), "spectrum": "jonswap"}
+    raw |= {"design": name, "study": str(EXAMPLE), "climate": climate, "starts": 2, "pareto": {}}
+    raw |= {"limits": raw["limits"] | {"force_rms": 1e3 * SITE_FORCES[0], **limits}, "verify": VERIFY | {"seas": 12}}
+    write_text(folder / f"{name}.yaml", yaml.safe_dump(raw, sort_keys=False))
+    vsb_command("run", f"{name}.yaml", folder=folder)
+    best = vsb.open(folder / "results" / name)
+    assert isinstance(best, vsb.BestBuoy)
+    facts = best.facts
+    found: dict[str, Value] = {f"gain.{end}": float(value) for end, value in facts["gain"].items()}
+    found |= {f"runs.{end}": float(facts["verified"][end]) for end in ("value", "low", "high")}
+    for buoy, one in facts["found"].items():
+        found |= {f"{buoy}.{row['key']}": float(row["value"]) for row in one["variables"]}
+        found[f"{buoy}.starts"] = sum(bool(start["accepted"]) for start in facts["starts"][buoy])
+    found |= {f"{buoy}.power": float(power_of) for buoy, power_of in facts["power"].items()}
+    found["strain"] = 100 * float(facts["quantities"]["flexible"]["static_strain"])
+    return found
+
+
 VERIFY = {"seas": 24, "model": "body_exact"}
 SIZES = ("beam", "draft")
 
@@ -459,6 +516,24 @@ SOURCES: Mapping[str, Source] = {
         at_force,
     ),
     "best_buoy": Source("vsb run config/best_buoy.yaml, with verify: {seas: 24, model: body_exact}", best_buoy),
+    **{
+        f"best_buoy_of.{site} {CONTROL_NAMES[tuning]}": Source(
+            f"vsb run config/best_buoy.yaml, in {site}, with tuning: {tuning}, starts: 1 and a front of force",
+            partial(best_buoy_of, site, tuning),
+        )
+        for site, tuning in AT_SITES
+    },
+    **{
+        f"best_buoy_of.{name}": Source(
+            f"vsb run config/best_buoy.yaml, in short waves, with limits: {said}, starts: 2 and "
+            "verify: {seas: 12, model: body_exact}",
+            partial(best_buoy_runs, f"short_waves_{name}", limits),
+        )
+        for name, limits, said in (
+            ("runs", {}, "{force_rms: 5000}"),
+            ("stiff", {"static_strain": 0.02}, "{force_rms: 5000, static_strain: 0.02}"),
+        )
+    },
     "directions": Source("python -m examples.directions results/directions.csv", directions_of),
     "strain": Source(
         "python -m examples.power_from_strain results/power_from_strain config/strain.yaml config/pressurised.yaml",

@@ -12,8 +12,10 @@ from examples.power_from_strain import HELD, TAKE_OFFS
 from examples.published import speed
 from examples.published.pages import MINUS, Value, Values, printed, table
 from examples.published.sources import (
+    AT_SITES,
     BASES,
     CONDITIONS,
+    CONTROL_NAMES,
     DAMPINGS,
     DOUBTED,
     FORCES,
@@ -23,6 +25,7 @@ from examples.published.sources import (
     OWN_FORCE,
     PAPERS,
     PEAKS,
+    SITE_FORCES,
     SOURCES,
 )
 from vsb.study.campaign import AT_FORCE, CAUSAL
@@ -157,6 +160,21 @@ def best_buoy_force(values: Values) -> str:
     return table(["rms force at most [kN]", "flexible [W]", "rigid [W]", "gain [%]"], rows)
 
 
+def best_buoy_sites(values: Values) -> str:
+    """The best buoys at other sites and under causal control, by the limit of the force."""
+    words, rows = {"one": "damper and spring", CAUSAL: "causal control"}, []
+    for site, tuning in AT_SITES:
+        for force in SITE_FORCES:
+            at = f"best_buoy_of.{site} {CONTROL_NAMES[tuning]}"
+            flexible, rigid = (
+                printed(values[f"{at}.{name}.{force}"], ".0f") for name in ("flexible", "rigid competitor")
+            )
+            gain, low, high = (printed(values[f"{at}.gain.{force}.{end}"], "+.2f") for end in ("value", "low", "high"))
+            rows.append([site, words[tuning], str(force), flexible, rigid, f"{gain} ({low} to {high})"])
+    head = ["waves", "take-off", "rms force at most [kN]", "flexible [W]", "rigid [W]", "gain [%], linear theory"]
+    return table(head, rows)
+
+
 def directions(values: Values) -> str:
     """Share of the limit that the rigid buoy absorbs, and the gain of the free shell, by port and period."""
     rows = []
@@ -271,6 +289,7 @@ BLOCKS: Mapping[str, Callable[[Values], str]] = {
     "best-buoy": best_buoy,
     "best-buoy-errors": best_buoy_errors,
     "best-buoy-force": best_buoy_force,
+    "best-buoy-sites": best_buoy_sites,
     "strain": strain,
     "paper": partial(table_2, "paper", "stated: P = 1800 Pa, c = 8000"),
     "paper_inferred": partial(table_2, "paper_inferred", "inferred: P = 360 Pa, c = 6000"),
