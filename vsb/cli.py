@@ -198,12 +198,13 @@ def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: s
 
 def body(args: argparse.Namespace) -> int:
     """Compute the hydro database of a mesh with any displacements and print its checks; 1 if one fails."""
-    from vsb.engine.hydro.bodies import solution as bodystudy
+    from vsb.engine.hydro.bodies.solution import read_study
+    from vsb.stages.coefficients import solve_body
 
-    study, read = bodystudy.read_study(args.config, args.out)
+    study, read = read_study(args.config, args.out)
     notes = [f"note: {note}" for note in read.history.split("; ") if note]
     return print_verdict(
-        bodystudy.solve(study, read, args.out), "\n".join([*notes, f"{args.out}: blocks and database"])
+        solve_body(study, read, args.config, args.out), "\n".join([*notes, f"{args.out}: blocks and database"])
     )
 
 

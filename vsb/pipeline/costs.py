@@ -68,6 +68,8 @@ CONTROLLED_SEA_SECONDS = {"linear": 2.0, "body_exact": 8.0}
 """The same under a causal controller, its filter included."""
 BODY_SECONDS, IN_FINITE_DEPTH = 0.25, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
+FREQUENCIES_SECONDS, MOST_OF_FREQUENCIES = 10.0, 32
+"""What the frequencies of a body that are solved apart are to take at least, and in how many parts at most."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
 

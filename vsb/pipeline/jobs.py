@@ -23,6 +23,7 @@ RULES = {
     "panels": "a block of frequencies by panels",
     "spectral": "all frequencies by the spectral solver",
     "cross_check": "panels and the spectral solver on shells deformed by each mode",
+    "frequencies": "frequencies of a body",
     "coefficients": "hydro database of a body, solved or read",
     "database": "hydro database and radiation memory",
     "response": "frequency response and control levels",
@@ -37,7 +38,7 @@ RULES = {
     "design_results": "tables, figures and report of a design problem",
 }
 """Rules in the order of the chain, and what they make."""
-APART = {"mesh", "panels", "coefficients", "members", "design_front", "design_verification"}
+APART = {"mesh", "panels", "frequencies", "coefficients", "members", "design_front", "design_verification"}
 """Rules whose tasks are a job each: they are long, or others wait for one of them alone."""
 BATCHED = {"simulate", "verification", "design_start"}
 """Rules whose tasks share a job up to `BATCH_SECONDS`; a job that is interrupted keeps those finished."""

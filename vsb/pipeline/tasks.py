@@ -3,21 +3,24 @@
 The rules of the workflow, a run in one process and the plan of a dry run all follow from this list.
 """
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
 from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
+from vsb.engine.hydro.panel_solver import panel_solver
 from vsb.keys.quantities import content_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
+from vsb.study.body import Body
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.plans import Plan
-from vsb.study.specs import PanelsSpec
+from vsb.study.specs import FrequenciesSpec, PanelsSpec
 
 
 class Stage(NamedTuple):
@@ -37,6 +40,7 @@ STAGES = {
     "spectral": Stage("spectral", "water", "all frequencies by the spectral solver"),
     "deformed": Stage("cross_check", "panels", "meshes of the shell deformed by each mode"),
     "witness": Stage("cross_check", "panels", "panels and spectral solver on the deformed shells"),
+    "frequencies": Stage("frequencies", "coefficients", "frequencies of the body"),
     "coefficients": Stage("coefficients", "coefficients", "hydro database of the body"),
     "database": Stage("database", "water", "hydro database"),
     "radiation": Stage("database", "frequency", "radiation memory"),
@@ -182,20 +186,53 @@ def _green(plan: StudyPlan | BodyPlan) -> Task:
 
 def _body(plan: BodyPlan) -> Iterator[Task]:
     """The hydro database of a body, solved or read."""
+    apart = list[Task]()
     if plan.solves_panels:
         yield _green(plan)
-    yield _database_of_body(plan)
+        assert isinstance(plan.study.body.file, BodyFile)
+        apart = list(frequencies(plan.study.body.file, plan.sources, plan.inputs, f"{plan.root}/hydro/bodies"))
+    yield from apart
+    yield _database_of_body(plan, apart)
 
 
-def _database_of_body(plan: BodyPlan) -> Task:
-    """The hydro database of a body alone."""
-    out = plan.database_path
-    files, needs, identity = {**plan.sources, "out": out}, tuple(plan.inputs), content_id(plan.database)
-    task = Task("coefficients", plan.database, files, (out,), needs, identity, seconds=0.5)
+def frequencies(
+    file: BodyFile, sources: Mapping[str, str], inputs: Sequence[str], folder: str | Path
+) -> Iterator[Task]:
+    """Return tasks that solve the frequencies of a body, if they take long; none of an adaptive sweep is known.
+
+    Parameters
+    ----------
+    file : BodyFile
+    sources : mapping of str
+        Paths of the files of the body, by key; where blocks and the Green function's table are.
+    inputs : sequence of str
+        Files they need.
+    folder : str or Path
+        Where it is noted that they are solved.
+    """
+    memory, minutes = solve_resources(file, sources)
+    seconds = costs.body_seconds(file, costs.matrices_seconds(file, panel_count(file, sources)))
+    most = min(len(file.omega), costs.MOST_OF_FREQUENCIES)
+    count = min(most, int(seconds / costs.FREQUENCIES_SECONDS)) if file.tolerance is None else 0
+    for first in range(count if count > 1 else 0):
+        omega = (*file.omega, math.inf)[first::count]
+        spec = FrequenciesSpec(body=Body(file=file), omega=omega, solver=panel_solver(), solved=PHYSICS)
+        out = f"{folder}/{content_id(spec)}.done"
+        yield Task(
+            "frequencies", spec, {**sources, "out": out}, (out,), tuple(inputs), on_the_way=True,
+            seconds=seconds * len(omega) / len(file.omega), megabytes=memory, minutes=minutes,
+        )  # fmt: skip
+
+
+def _database_of_body(plan: BodyPlan, solved: Sequence[Task] = ()) -> Task:
+    """The hydro database of a body alone, and of which frequencies it finds solved."""
+    out, apart = plan.database_path, tuple(path for task in solved for path in task.makes)
+    files, needs, identity = {**plan.sources, "out": out}, (*plan.inputs, *apart), content_id(plan.database)
+    task = Task("coefficients", plan.database, files, (out,), needs, identity, seconds=1.0 if apart else 0.5)
     if isinstance(file := plan.study.body.file, BodyFile):
         memory, minutes = solve_resources(file, plan.files)
         matrices = costs.matrices_seconds(file, panel_count(file, plan.files))
-        seconds = costs.body_seconds(file, matrices)
+        seconds = task.seconds if apart else costs.body_seconds(file, matrices)
         return replace(task, seconds=seconds, megabytes=memory, minutes=minutes)
     return replace(task, megabytes=4000)
 

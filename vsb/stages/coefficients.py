@@ -8,24 +8,29 @@ import xarray as xr
 
 from vsb import __version__
 from vsb.engine.hydro import database, quality
+from vsb.engine.hydro.bodies.body import FlexibleBody
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.build import build_body
 from vsb.engine.hydro.bodies.refinement import history_of, refined_file
-from vsb.engine.hydro.bodies.solution import solved
+from vsb.engine.hydro.bodies.solution import blocks_of, check_solvable, solve, solved, table_in
 from vsb.engine.hydro.database import Check
 from vsb.engine.hydro.formats import bemio, checks, nemoh, wamit
 from vsb.engine.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
 from vsb.engine.hydro.formats.common import check_positive, volume_of
 from vsb.engine.hydro.formats.exchange import read_source, source_checks
 from vsb.engine.hydro.labels import of_bodies
+from vsb.engine.hydro.panels.rings import stored_green_function
 from vsb.engine.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.linear import LinearSystem
 from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
+from vsb.pipeline.schedule import workers
+from vsb.pipeline.tasks import frequencies
 from vsb.stages.stage import stamp
+from vsb.stages.workers import CAN_FORK, run_side_by_side
 from vsb.study.body import REPAIRS, Body
-from vsb.study.specs import BodySpec
-from vsb.tools.files import save
+from vsb.study.specs import BodySpec, FrequenciesSpec
+from vsb.tools.files import save, write_text
 
 _KEPT = (
     "displaced_volume",
@@ -56,6 +61,33 @@ def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
         found = read_source(body.kind, files[body.kind], spec.water, body.length, body.bodies, body.modes)
     check_water(spec.water, found)
     store(spec, within_band(found, spec.omega_max), out)
+
+
+def run_frequencies(spec: FrequenciesSpec, out: str, **files: str) -> None:
+    """Solve some frequencies of a body, each to a file of its own, where its database finds them."""
+    _solve_frequencies(spec, files)
+    write_text(out, f"{len(spec.omega)} frequencies\n")
+
+
+def _solve_frequencies(spec: FrequenciesSpec, files: Mapping[str, str]) -> None:
+    """The same without a note that it is done."""
+    file = spec.body.file
+    assert isinstance(file, BodyFile)
+    blocks = blocks_of(file, build_body(file, files), files["folder"], files["green"])
+    for omega in spec.omega:
+        blocks(omega)
+
+
+def solve_body(study: BodyFile, body: FlexibleBody, config: str, out: str) -> list[Check]:
+    """Solve a body into the database `out`/<name>.nc on all cores where that takes long, and return the verdict."""
+    table, folder = table_in(out), Path(config).parent
+    sources = {name: str(folder / path) for name, path in study.paths.items()} | {"folder": out, "green": str(table)}
+    some = list(frequencies(study, sources, (), out))
+    if CAN_FORK and (count := workers(some)) > 1:
+        check_solvable(study, body)
+        stored_green_function(table)
+        run_side_by_side(some, lambda task: _solve_frequencies(task.spec, task.files), count, lambda *_: None)
+    return solve(study, body, out)
 
 
 def finely_solved(

@@ -334,6 +334,16 @@ class BodySpec(Spec):
     repair: tuple[Name, ...] = ()  # checks whose failure is repaired
 
 
+class FrequenciesSpec(Spec):
+    """Frequencies of a body on panels [rad/s] that are solved apart from its others."""
+
+    TAG = "body"
+    body: Body  # its mesh alone
+    omega: tuple[float, ...]
+    solver: str
+    solved: int
+
+
 class RadiationSpec(Sparse, Spec):
     """Radiation memory of a database, by its id; of a body also which added mass at infinite frequency it has."""
 

@@ -163,6 +163,35 @@ if "database" in RULES:
             "vsb stage database <<< {params.tasks:q} > {log} 2>&1"
 
 
+for one in batches("frequencies"):
+
+    rule:
+        """Frequencies of a body by capytaine, where they take long."""
+        name:
+            one.name
+        input:
+            one.needs,
+        output:
+            made(one),
+        log:
+            one.record("logs"),
+        benchmark:
+            one.record("benchmarks")
+        wildcard_constraints:
+            job=one.names,
+        conda:
+            "../envs/vsb.yaml"
+        threads: 1
+        resources:
+            mem_mb=one.megabytes,
+            runtime=one.minutes,
+        params:
+            ids=one.ids,
+            tasks=one.text,
+        shell:
+            "vsb stage frequencies <<< {params.tasks:q} > {log} 2>&1"
+
+
 for one in batches("coefficients"):
 
     rule:

@@ -102,11 +102,7 @@ def solved(
     `green` is the Green function, of `rings`; that of a stored table if not given.
     """
     check_solvable(study, body)
-    symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
-    regular = BELOW_IRREGULAR * first_irregular_frequency(body, study.water.gravity)
-    lid = interior_lid(body, study.lid) if study.lid and study.omega[-1] > regular else None
-    table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
-    blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table, green)
+    blocks = blocks_of(study, body, out, tables, green)
     infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
     size = sizes(infinite.own.added_mass_inf.values, least_sizes(body, study.water.density))
     centre = (body.vertices.max(axis=0) + body.vertices.min(axis=0)) / 2
@@ -117,10 +113,30 @@ def solved(
 
     found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
     checks = verdict(study, body, infinite, found, size)
+    regular = _regular(study, body)
     below = [omega for block in found.solved if (omega := float(block.own.omega[0])) <= regular]
-    if lid and below:
+    if blocks.lid and below:
         checks.append(lid_check(found.solved, replace(blocks, lid=None)(max(below)), size))
-    return _database(study, body, symmetry, infinite, found, checks), checks
+    return _database(study, body, blocks.symmetry, infinite, found, checks), checks
+
+
+def blocks_of(
+    study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None, green: Any = None
+) -> "Blocks":
+    """Return the files of single frequencies of a body; parameters as of `solved`."""
+    symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
+    lid = interior_lid(body, study.lid) if study.lid and study.omega[-1] > _regular(study, body) else None
+    return Blocks(study, body, symmetry, lid, Path(out, "blocks"), Path(tables or table_in(out)), green)
+
+
+def table_in(out: str | Path) -> Path:
+    """Return the folder of the Green function's table beside a database."""
+    return Path(out, "green", panel_solver().replace(" ", "-"))
+
+
+def _regular(study: BodyFile, body: FlexibleBody) -> float:
+    """Frequency below which none is irregular [rad/s]."""
+    return BELOW_IRREGULAR * first_irregular_frequency(body, study.water.gravity)
 
 
 def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
