@@ -165,7 +165,7 @@ def maximised(facts: Facts) -> list[str]:
     value, low, high = found["gain"]
     return [
         f"Maximised is the {words}, {' and '.join(each)}: {gains_within([(value, low, high)])[0]}. These intervals "
-        "hold the errors of the power, that of linear theory left aside, and what uncertain inputs change of both."
+        "hold the errors of the power, without that of linear theory, and what uncertain inputs change of both."
     ]
 
 
@@ -233,7 +233,7 @@ def fronts(facts: Facts) -> list[str]:
     return found
 
 
-LINEAR = "By linear theory, its own error left aside, flexibility gains"
+LINEAR = "By linear theory, its own error not counted, flexibility gains"
 """How a sentence on a front begins: its buoys are not followed in time."""
 
 
