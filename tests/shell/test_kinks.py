@@ -43,6 +43,13 @@ def test_responses_are_orthogonal_in_energy_to_degrees_below_and_to_heave(shell)
     assert np.abs(heave @ modes._responses).max() < 1e-9 * np.abs(heave).max() * np.abs(modes._responses).max()
 
 
+def test_no_points_have_no_displacements_and_no_kinks_none():
+    modes = KinkModes(ROUND, 14, LOADS[:2], (0.0, 0.0))
+    assert [part.shape for part in modes.displacement(np.zeros(0))] == [(2, 0)] * 3
+    pole = KinkModes(ROUND, 14, LOADS[-1:], (0.0,))
+    assert pole.displacement(np.array([0.0, np.pi]))[0].shape == (1, 2)
+
+
 def test_compliance_of_a_capsule_converges_with_the_degrees_beside_kinks(monkeypatch):
     """With degrees to 84, 126 and 168 it is 0.3, 0.015 and 0.002 % off, although a junction is near the ring."""
     missed = []

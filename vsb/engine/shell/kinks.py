@@ -105,7 +105,7 @@ class KinkModes(AttachmentModes):
                 for way in (tangent,) if k == 1 else (tangent, normal):
                     for column, value in zip(found, [share * part for share in way for part in kink], strict=True):
                         column.append(value)
-        return Displacements(*(np.array(column).reshape(-1, len(phi)) for column in found))
+        return Displacements(*(np.array(column).reshape(len(column), len(phi)) for column in found))
 
     def _displacements(self, phi: FloatArray) -> Displacements:
         """Displacements of degrees, then those with kinks."""
