@@ -5,12 +5,15 @@ import csv
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import SMALL, tables_of
 from scipy.interpolate import CubicSpline
 
 import vsb
 from vsb.cli import main
 from vsb.results.comparison import averaging_window
 from vsb.results.series import as_csv, time_series
+from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
 
 
 @pytest.fixture
@@ -26,6 +29,15 @@ def test_mean_power_is_that_of_the_comparison(results, design):
     work = CubicSpline(found.time.values, found.power_absorbed.values).integrate(start, end)
     expected = results.comparison.set_index("design").record_power_mean[design]
     assert work / (end - start) == pytest.approx(expected, rel=1e-6)
+    assert np.allclose(found.ptos_powerInternalMechanics, found.ptos_forceTotal * found.ptos_velocity)
+
+
+def test_degrees_that_clamps_load_are_named(tmp_path):
+    """Beside those of the database; the power is the port's."""
+    held = {"modes": {"basis": "full", "degree": 2}, "designs": {"held": {"clamp": 90}}}
+    made = tables_of(StudyPlan(parse(SMALL | held), str(tmp_path)))
+    found = made.series("held")
+    assert "Ring1" in found.dof.values
     assert np.allclose(found.ptos_powerInternalMechanics, found.ptos_forceTotal * found.ptos_velocity)
 
 

@@ -193,7 +193,7 @@ class Results:
         """
         run = self.trajectory(design, wave)
         if self.study.needs_bem:
-            labels = list(map(str, self.database.influenced_dof.values))
+            labels = list(self._floating.linear.labels)  # those of rings that clamps load among them
             port = xr.DataArray(self._floating.port, {"dof": labels}, ("dof",))
         else:  # an assumed pressure knows no other port than heave
             port = xr.DataArray([1.0], {"dof": ["Heave"]}, ("dof",))
