@@ -596,6 +596,18 @@ def test_a_limit_of_the_shell_holds_no_rigid_buoy(folder):
     assert rigid[0] == pytest.approx(rigid[1], rel=1e-9)
 
 
+def test_errors_along_a_front_under_causal_control_are_those_of_its_own_force(folder):
+    """They were those of the same buoy at the force of the best one, with several times the power."""
+    changes = {"tuning": "causal", "limits": {"force_rms": 2e4}, "pareto": {"force_rms": [5e3]}}
+    plan = planned(folder, "weak", {"device.mass": [9e3, 2.2e4]}, **changes)
+    for task in tasks(plan):
+        if task.stage != "design_report":
+            run_task(task)
+    for row in rows(plan, "pareto.csv"):
+        power = float(row["annual_mean_power"])
+        assert 0.97 * power < float(row["power_low"]) <= power <= float(row["power_high"]) < 1.03 * power
+
+
 def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     plan = planned(folder, "gained", maximise="gain")
     (task,) = (task for task in tasks(plan) if task.stage == "design_start" and task.spec.search.flexible)

@@ -163,13 +163,13 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
         if begin.values.tobytes() in begun[i]:
             continue
         begun[i].add(begin.values.tobytes())
-        found = _best_from(_limited(search, limit, values[i]), climate, begin, first.degree)
+        found = _best_from(under_limit(search, limit, values[i]), climate, begin, first.degree)
         if found and (i not in ends or (found.accepted, found.objective) > (ends[i].accepted, ends[i].objective)):
             ends[i] = found
     return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items())])
 
 
-def _limited(search: Search, limit: str, value: float) -> Search:
+def under_limit(search: Search, limit: str, value: float) -> Search:
     """The search under a value of a limit; those of a shell hold no rigid buoy."""
     if limit in OF_SHELL and not search.flexible:
         return search

@@ -36,7 +36,7 @@ from vsb.models.viability import viability
 from vsb.report.design_answer import answer, no_answer, objective_text
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.stages.climate import read_climate
-from vsb.stages.design import outcomes, points_of
+from vsb.stages.design import outcomes, points_of, under_limit
 from vsb.study.design import DIVISORS, LIMITS, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.feasible import OF_EVERY_BUOY
@@ -441,13 +441,13 @@ def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, 
     }
     for (limit, name), some in points.items():
         rigid = {
-            value: buoy_of(COMPETITOR, spec.rigid, one)
+            value: buoy_of(COMPETITOR, under_limit(spec.rigid, limit, value), one)
             for value, one in points[limit, COMPETITOR]
             if name == FLEXIBLE and one.accepted
         }
         found.setdefault(limit, {})[name] = []
         for value, one in some:
-            buoy = buoy_of(name, _searches(spec)[name], one)
+            buoy = buoy_of(name, under_limit(_searches(spec)[name], limit, value), one)
             found[limit][name].append(
                 {
                     "limit": value,
