@@ -169,6 +169,14 @@ def test_study_and_program_of_the_readme(finished, tmp_path, monkeypatch):
     assert variables["port"].power([2e3, 8e3, 32e3]).shape == (3, 3)
 
 
+def test_examples_of_the_public_names(finished, tmp_path, monkeypatch, capsys):
+    (program,) = blocks("api.md", "python")
+    shutil.copytree(finished, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    exec(program.replace("my.yaml", "small.yaml"), {})
+    assert "none.yaml: cannot be read" in capsys.readouterr().out
+
+
 def test_citation_has_the_version_of_the_package():
     citation, meta = (
         yaml.safe_load((HOME / "CITATION.cff").read_text()),
