@@ -83,6 +83,11 @@ def levels(seas):
     return rows
 
 
+def test_share_of_a_number_below_zero_is_a_range_about_zero():
+    """As of a power that losses in conversion make negative."""
+    assert Source.within("coefficients", -0.1 * 9.0) == Source("coefficients", -0.9, 0.9)
+
+
 def test_gains_are_between_optimal_powers_of_all_realisations(seas, levels):
     rigid, shell, rigid_sea, shell_sea = equal_tuning(seas, levels)
     assert (rigid.best_gain_percent, rigid.share) == (0.0, 0.25)

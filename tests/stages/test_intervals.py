@@ -72,6 +72,16 @@ def test_error_intervals_hold_results_of_a_tenth_of_the_tolerance(tmp_path):
     assert np.median(widths) < 5e-3  # percentage points; twice a tolerance of 1e-3 of both powers was 0.2
 
 
+def test_interval_of_a_power_below_zero_holds_it(tmp_path, seed):
+    """A stiff spring with losses gives back more than its damper absorbs."""
+    lossy = {"damping": 500.0, "stiffness": 3e4, "efficiency": 0.5}
+    study = varied(seed, pto=lossy, modes={"basis": "full", "degree": 3}, hydro={"omega_max": 5.0})
+    given = [level for (_, _, rung), level in climbed(study, tmp_path).items() if rung == "fixed"]
+    assert given
+    for one in given:
+        assert one.low < one.power_mean < min(0.0, one.high)
+
+
 def test_common_errors_cancel_in_the_gain(tmp_path, seed):
     """A very stiff shell is nearly rigid: its power is as uncertain as that of the rigid design, its gain is not."""
     stiff = varied(seed, device={"young_modulus": 1e12}, modes={"basis": "full", "degree": 3}, hydro={"omega_max": 5.0})

@@ -191,11 +191,11 @@ def warnings(ds: xr.Dataset) -> list[str]:
             f"Time-domain runs correct the answer ({ds.attrs['verification']}). Figures of power and other tunings are "
             "linear theory; their intervals contain numerical errors only.",
             *_unresolved(ds),
-            *_failed(ds),
             "Intervals of time-domain runs are 95 % intervals of mean power (measured coverage 93 to 97 %). For "
             "quantities set by a few storms (breaking, limits, large deformation) coverage is 77 to 95 % with 12 seas, "
             "89 to 96 % with 24.",
         ]
+    found += _failed(ds)
     if (
         of_shells(ds)
         and 100 * float(ds.energy_beyond.sel(limit="heave", tuning=leading(ds)[0]).where(ds.viable).max()) >= 0.5

@@ -40,8 +40,8 @@ class Source:
 
     @classmethod
     def within(cls, name: str, half_width: float, kind: Kind = "bound", *, shared: bool = False) -> Self:
-        """Return a source of the same size to both sides."""
-        return cls(name, 0.0 - half_width, half_width, kind, shared)
+        """Return a source of the same size to both sides, as of a share of a number, which may be below 0."""
+        return cls(name, 0.0 - abs(half_width), abs(half_width), kind, shared)
 
     @classmethod
     def towards(cls, name: str, change: float, kind: Kind = "bound", *, shared: bool = False) -> Self:

@@ -110,9 +110,12 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
     ds : Dataset
         See `gathered`.
     runs : sequence of Dataset
-        See `vsb.results.verification`, in the order of the members; none of a campaign that verifies nothing.
+        See `vsb.results.verification`, in the order of the members; none of a campaign that verifies nothing. Where
+        all failed, linear theory stands alone.
     """
-    if not runs:
+    failures = sorted({one.attrs.get("failure", "") for one in runs} - {""})
+    ds = ds.assign_attrs(failed_runs="\n".join(failures)) if failures else ds
+    if all(one.attrs.get("failure") for one in runs):
         return ds
     model, tuning = runs[0].attrs["model"], leading_tuning(spec.tuning)
     names = {name: in_time(model, name) for name in (*POWER, *GAIN) if name in runs[0]}
@@ -132,7 +135,6 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
             "verification": f"tuning {tuning}: {runs[0].attrs['runs']}",
             "verified_tuning": tuning,
             "verified_model": model,
-            "failed_runs": "\n".join(sorted({one.attrs.get("failure", "") for one in runs} - {""})),
         }
     )
 

@@ -778,7 +778,7 @@ def _by_modes(left_out: xr.Dataset, level: ControlLevel, name: str, size: float)
     if name not in left_out:
         return []
     ends = left_out[name].sel(design=level.design, wave=level.wave, take_off=level.rung)
-    low, high = (size * float(end) for end in ends)
+    low, high = sorted(size * float(end) for end in ends)
     return [Source(MODES, low, high)] if low or high else []
 
 

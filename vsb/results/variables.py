@@ -6,11 +6,12 @@ from vsb.tools.variables import Variable, at_port, register
 
 _YEAR = ("...", "design", "tuning")
 _BINS = ("hs", "te")
+_IN_TIME = ("body_exact_", "in_time_")
 _GAINS = ("gain_", "corrected_gain_", "body_exact_gain_", "in_time_gain_")
 
 
 def _may_be_missing(ds: xr.Dataset, name: str) -> xr.DataArray | bool:
-    """Where a year has no value: designs not viable, practice and matrices of other control, gains over no power."""
+    """Where a year has no value: designs not viable, other control, gains over no power, runs that failed."""
     missing: xr.DataArray | bool = ~ds.viable if "viable" in ds and "design" in ds[name].dims else False
     if name == "practice_power" and "tuning" in ds[name].dims:
         missing = missing | ds.tuning.isin(["damper_same_force", "causal", "constrained"])
@@ -19,6 +20,8 @@ def _may_be_missing(ds: xr.Dataset, name: str) -> xr.DataArray | bool:
     if name.startswith(_GAINS):
         power = ds["corrected_mean_power" if "annual_mean_power" not in ds else "annual_mean_power"]
         missing = missing | (power <= 0).any("design")
+    if name.startswith(_IN_TIME) and ds.attrs.get("failed_runs"):
+        missing = True
     return missing
 
 
