@@ -161,10 +161,15 @@ def test_laws_act_on_ports_of_the_shell(seed, port, tmp_path_factory):
         (leg,) = legs(found.system, found.sea, study.simulation, None)
         assert leg.balance.residual < 1e-6
         b = found.scene.forces["pto"].direction
-        force = leg.motion.forces["pto"] @ b / (b @ b)
+        force = found.system.forces(leg.motion)["pto"] @ b / (b @ b)
+        methods.append(leg.method)
         return np.abs(leg.motion.position @ b).max(), np.abs(force).max()
 
+    methods: list[str] = []
     stroke, force = followed(law="saturated", force_limit=1e9)
+    near = followed(law="saturated", force_limit=1.01 * force, stroke_limit=1.01 * stroke)
+    assert near == (pytest.approx(stroke, rel=1e-4), pytest.approx(force, rel=0.01))  # of instants twice as dense
+    assert methods == ["exact propagation", "exact propagation between switches"]  # far from limits nothing switches
     assert followed(law="saturated", force_limit=0.5 * force)[1] == pytest.approx(0.5 * force)
     assert followed(law="coulomb", force_limit=0.5 * force)[1] == pytest.approx(0.5 * force)
     assert followed(stroke_limit=0.5 * stroke)[0] < 0.6 * stroke

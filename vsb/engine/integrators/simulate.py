@@ -1,8 +1,8 @@
 """A run from start to end by one of the methods, in legs of bounded memory, with its energy audit and its record."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -158,6 +158,8 @@ def legs(
 ) -> Iterator[Leg]:
     """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
+    A motion far from the limits of its take-off is followed without them: it never switches.
+
     Raises `ConvergenceError` if the audit of an exact propagation does not close; `StabilityError` if the buoy leaves
     the water for good.
 
@@ -174,6 +176,50 @@ def legs(
     records : int
         Instants recorded per period of the shortest wave that matters, to begin with.
     """
+    args = sea, settings, spectrum, longest, records
+    free = system.scene.without_limits if settings.method == "auto" and system.switching else None
+    if free is not None and (found := _far_from_limits(system, System.of(free), *args)):
+        yield from (leg._replace(forces={}) for leg in found)
+    else:
+        yield from _legs(system, *args)
+
+
+FAR = 0.8
+"""Largest force and stroke, over their limits, of a motion that is far from them: between recorded instants, 200 for
+each period of the shortest wave, the shell may move a little further."""
+
+
+def _far_from_limits(system: System, free: System, *args: Any) -> Iterable[Leg] | None:
+    """Legs of a system without its limits; None if a motion comes near them."""
+    motions = system.scene.motions.T
+
+    def near(leg: Leg) -> bool:
+        return system.scene.reach(leg.motion.position @ motions, leg.motion.velocity @ motions) > FAR
+
+    try:
+        run = _legs(free, *args)
+        first = next(run)
+        if near(first):
+            return None
+        further = False
+        for leg in run:
+            further = True
+            if near(leg):
+                return None
+    except (ConvergenceError, StabilityError):  # such as of a buoy that its end stop holds
+        return None
+    return _legs(free, *args) if further else [first]
+
+
+def _legs(
+    system: System,
+    sea: Sea,
+    settings: Simulation,
+    spectrum: DampingSpectrum | None,
+    longest: int | None,
+    records: int,
+) -> Iterator[Leg]:
+    """Legs by the method of the settings, whatever the limits."""
     count, convolved = recorded_steps(system, sea, settings, records), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
     name = {"auto": suited(system)}.get(settings.method, settings.method)

@@ -63,6 +63,32 @@ class Scene:
         """The end stop, if there is one."""
         return next((force for force in self.laws.values() if isinstance(force, EndStop)), None)
 
+    @property
+    def without_limits(self) -> "Scene | None":
+        """The scene without limits of force and stroke; None where the take-off is no damper and spring within them."""
+        law = self.law
+        if law is None or law.controller or law.latching_time or np.isinf(law.damping):
+            return None
+        b, forces = law.direction, {name: force for name, force in self.forces.items() if force is not self.stop}
+        square, rest = np.outer(b, b), b * (law.rest / (b @ b))
+        forces[self.take_off] = SpringDamper(law.stiffness * square, law.damping * square, rest)
+        return replace(self, forces=forces)
+
+    def reach(self, q: FloatArray, v: FloatArray) -> float:
+        """Return the largest force and stroke of its take-off along a motion, over their limits [-].
+
+        Parameters
+        ----------
+        q, v : ndarray, shape (time, dof)
+        """
+        law, stop, found = self.law, self.stop, 0.0
+        if law is not None:
+            stroke, speed = q @ law.direction - law.rest, v @ law.direction
+            found = float(np.abs(law.damping * speed + law.stiffness * stroke).max()) / law.limit
+        if stop is not None:
+            found = max(found, float(np.abs(q @ stop.direction - stop.rest).max()) / stop.stroke)
+        return found
+
     @cached_property
     def flexible(self) -> bool:
         """Whether an allowed motion deforms the shell."""
