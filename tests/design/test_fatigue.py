@@ -58,7 +58,9 @@ def test_strains_are_those_of_a_study(climate, design, changes):
     problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
     solved = with_excitation(problem.solve(list(grid.omega)))
     parts = solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
-    buoy = buoy_at(study, reference, ShapeWater(moved, grid.omega, Coefficients(*parts)))
+    with pytest.MonkeyPatch.context() as patch:  # designs have shell modes alone
+        patch.setattr("vsb.models.ring_loads.has_attachment_modes", lambda _: False)
+        buoy = buoy_at(study, reference, ShapeWater(moved, grid.omega, Coefficients(*parts)))
     q, under = buoy.in_waves()[design].moved
     resisting = 1j * grid.omega * found["damping"].value
     amplitude = q + (resisting * (q @ buoy.port) / (1 - resisting * (under @ buoy.port)))[:, None] * under
