@@ -28,7 +28,7 @@ def test_a_wall_that_no_pressure_carries_is_told_the_least_that_stands(gas):
         reference_shell(study)
     text = str(advised(study, error.value))
     assert "no device.internal_pressure from 0 to" in text
-    assert "from about" in text
+    assert "from a thickness of about" in text
     assert "mm at" in text
     assert "or from a shear modulus of" in text
 
