@@ -305,6 +305,7 @@ def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_
     poor, rich = (convergence.powers(Modes(basis="full", degree=n))[:, 0] for n in (6, 20))
     power, gain = rich / poor - 1, 100 * (rich[1] / rich[0] - poor[1] / poor[0])
     assert np.abs(power[0]).max() > 1e-5
+    assert not found.gain.sel(design="FSB").any()  # over itself
     for bounds, value in ((found.power, power), (found.gain.sel(design="VSWEC"), gain)):
         assert np.all(bounds.sel(end="low") <= value)
         assert np.all(value <= bounds.sel(end="high"))

@@ -47,6 +47,7 @@ class Spheroid:
     density: float = 2700.0
     beta: float = 1.0e-3
     water: float = 1025.0
+    clamp: float | None = None  # degrees from the top, where the shell cannot move against the ballast
 
     @property
     def mass(self) -> float:
@@ -174,7 +175,11 @@ class Spheroid:
         mass, elastic = self.structure
         heave = np.zeros(len(mass))
         heave[1] = heave[self.degree + 1] = 1
-        modes = np.column_stack([heave, null_space((mass @ heave)[None])])
+        free = null_space((mass @ heave)[None])
+        if self.clamp is not None:
+            x, z, *_ = self.shapes(np.deg2rad([self.clamp]))
+            free = free @ null_space(np.hstack([x, z]).T @ free)
+        modes = np.column_stack([heave, free])
         m, e = modes.T @ mass @ modes, modes.T @ elastic @ modes
         m[0, 0] = self.mass
         still = modes.T @ self.hydrostatics @ modes

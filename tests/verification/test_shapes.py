@@ -71,6 +71,28 @@ def test_long_wave_force(agree, pair):
     agree("rest shapes", f"the same by -rho g int n.psi dS, {name}", np.asarray(found).real, still, 3e-2)
 
 
+@pytest.mark.parametrize("height", [3.0, 5.0], ids=["oblate", "prolate"])
+def test_gain_of_a_clamped_spheroid(agree, run, height):
+    """A clamp is a line load, to which all degrees yield: the own solution's, extrapolated like 1/degree."""
+    few, many = (Spheroid(2.0, height, 1e7, degree, thickness=0.02, clamp=90.0) for degree in (100, 200))
+    wanted = [2 * many.gain(t) - few.gain(t) for t in PERIODS]
+    device = {**SEED["device"], "thickness": 0.02, "mass": many.mass}
+    results = run(
+        f"clamped{height:.0f}",
+        device={**device, "shape": {"spheroid": {"height": height}}},
+        modes={"basis": "full", "degree": 30},
+        designs={"FSB": {"flexible": False}, "CLAMPED": {"clamp": 90}},
+        waves=[{"kind": "regular", "amplitude": 0.05, "period": t} for t in PERIODS],
+    )
+    levels = results.ladder[results.ladder.rung == "best_damper"].pivot(
+        index="wave", columns="design", values="power_mean"
+    )
+    rows = levels.loc[results.ladder.wave.unique()]
+    found = 100 * (rows["CLAMPED"] / rows["FSB"] - 1)
+    name = f"gain of the spheroid {height:.0f} m clamped at its equator [points]"
+    agree("rest shapes", name, found, wanted, 0.1, absolute=True)
+
+
 def test_rest_shape(agree, run):
     """The seed's shell under 20 kPa, afloat with its load: the more degrees, the nearer to splines' least energy."""
     phi = np.linspace(0, np.pi, 181)

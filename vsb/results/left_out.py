@@ -130,6 +130,7 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
         base = before[[at]]
         points = np.divide(100 * expected, base, out=np.zeros_like(before), where=base > 0)
         gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], reach, points)
+        gain[at] = 0.0  # over itself
     return LeftOut(power, gain)
 
 

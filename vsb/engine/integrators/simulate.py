@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -176,12 +177,13 @@ def legs(
     records : int
         Instants recorded per period of the shortest wave that matters, to begin with.
     """
-    args = sea, settings, spectrum, longest, records
+
+    def run(some: System) -> Iterator[Leg]:
+        return _legs(some, sea, settings, spectrum, longest, records)
+
     free = system.scene.without_limits if settings.method == "auto" and system.switching else None
-    if free is not None and (found := _far_from_limits(system, System.of(free), *args)):
-        yield from (leg._replace(forces={}) for leg in found)
-    else:
-        yield from _legs(system, *args)
+    far = None if free is None else _far_from_limits(system, partial(run, System.of(free)))
+    yield from far or run(system)
 
 
 FAR = 0.8
@@ -189,26 +191,21 @@ FAR = 0.8
 each period of the shortest wave, the shell may move a little further."""
 
 
-def _far_from_limits(system: System, free: System, *args: Any) -> Iterable[Leg] | None:
-    """Legs of a system without its limits; None if a motion comes near them."""
+def _far_from_limits(system: System, run: Callable[[], Iterator[Leg]]) -> Iterable[Leg] | None:
+    """Legs of a run of a system without its limits, forces not yet known; None if its motion comes near them."""
     motions = system.scene.motions.T
 
     def near(leg: Leg) -> bool:
         return system.scene.reach(leg.motion.position @ motions, leg.motion.velocity @ motions) > FAR
 
     try:
-        run = _legs(free, *args)
-        first = next(run)
-        if near(first):
-            return None
-        further = False
-        for leg in run:
-            further = True
+        for leg in run():
             if near(leg):
                 return None
     except (ConvergenceError, StabilityError):  # such as of a buoy that its end stop holds
         return None
-    return _legs(free, *args) if further else [first]
+    whole = leg.motion.time[0] == 0.0  # of several legs only one is kept at a time
+    return (one._replace(forces={}) for one in ([leg] if whole else run()))
 
 
 def _legs(

@@ -7,12 +7,11 @@ have jumps of higher ones. With s = phi - phi_0 the functions
     |s| t,  s|s| t,  s|s| n,  |s|^3 t,  |s|^3 n,  s|s|^3 t,  s|s|^3 n,    each times sin(phi)^2,
 
 t and n the tangent and the normal of the meridian at the ring, and displacements of degrees that bending resolves, hold
-the response: the energy of a sphere converges to it like the fifth power of the degree and faster, where degrees alone
-leave 1/degree. The responses less those of degrees up to N are orthogonal to these in energy.
+the response: on a sphere with r/h = 200, 8 % of the energy are missed with degrees to 24, 0.03 % with degrees to 60,
+where degrees alone leave 1/degree. The responses less those of degrees up to N are orthogonal to these in energy.
 """
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,7 +20,7 @@ import numpy as np
 from vsb.engine.shell.elastic import converged_degree
 from vsb.engine.shell.rings import AT_POLE, HIGHEST, AttachmentModes, BeltLoad, RingLoad
 from vsb.engine.shell.ritz import Displacements, Strains, energy, heave, of_degrees, strains
-from vsb.engine.shell.shell import Shell, curve, length, meridian_rule
+from vsb.engine.shell.shell import curve, length, meridian_rule
 from vsb.tools.arrays import FloatArray, IntArray
 
 FINER = 2
@@ -42,27 +41,8 @@ class _At(NamedTuple):
     strains: Strains
 
 
-@dataclass(frozen=True)
 class KinkModes(AttachmentModes):
-    """Residual attachment modes of a shell of any meridian.
-
-    Parameters
-    ----------
-    shell : Shell
-    degree : int
-        N, of the displacements beside which they stand.
-    loads : tuple of RingLoad or BeltLoad
-    tension : tuple of float
-        Membrane force along the meridian at each ring, of a shell under load [N/m].
-    highest : int
-        Below `HIGHEST` degrees to this one answer, without kinks.
-    """
-
-    shell: Shell
-    degree: int
-    loads: tuple[RingLoad | BeltLoad, ...]
-    tension: tuple[float, ...]
-    highest: int = HIGHEST
+    """Residual attachment modes of a shell of any meridian, of order 0; below `HIGHEST` without kinks."""
 
     @cached_property
     def _rings(self) -> tuple[float, ...]:

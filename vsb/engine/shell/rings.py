@@ -126,14 +126,32 @@ def vertical(colatitude: float) -> RingLoad:
     return RingLoad(float(colatitude), float(np.cos(colatitude)), float(-np.sin(colatitude)))
 
 
+@dataclass(frozen=True)
 class AttachmentModes(ABC):
     """Residual attachment modes of a shell: its static response to loads at rings by all degrees above those it has.
 
     They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in more directions than it
     moves in, have no modes of their own.
+
+    Parameters
+    ----------
+    shell : Shell
+    degree : int
+        N, of the modes beside which they stand.
+    loads : tuple of RingLoad or BeltLoad
+    tension : tuple of float
+        Membrane force along the meridian at each ring, of a shell under load [N/m].
+    highest : int
+        Degree to which they are summed.
+    order : int
+        Azimuthal order m, of loads and modes.
     """
 
+    shell: Shell
+    degree: int
     loads: tuple[RingLoad | BeltLoad, ...]
+    tension: tuple[float, ...]
+    highest: int = HIGHEST
     order: int = 0
 
     @property
@@ -187,31 +205,8 @@ class AttachmentModes(ABC):
         return self._over_modes(self._under_loads[2])
 
 
-@dataclass(frozen=True)
 class RingModes(AttachmentModes):
-    """Residual attachment modes of a sphere, degree by degree.
-
-    Parameters
-    ----------
-    shell : Shell
-        A sphere.
-    degree : int
-        N, of the modes beside which they stand.
-    loads : tuple of RingLoad or BeltLoad
-    tension : tuple of float
-        Membrane force along the meridian at each ring, of a shell under load [N/m].
-    highest : int
-        Degree to which they are summed.
-    order : int
-        Azimuthal order m, of loads and modes.
-    """
-
-    shell: Shell
-    degree: int
-    loads: tuple[RingLoad | BeltLoad, ...]
-    tension: tuple[float, ...]
-    highest: int = HIGHEST
-    order: int = 0
+    """Residual attachment modes of a sphere, degree by degree."""
 
     @cached_property
     def _degrees(self) -> IntArray:
