@@ -43,7 +43,8 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
-from vsb.tools.tables import check_table, csv_text
+from vsb.tools.stamps import check_table
+from vsb.tools.words import csv_text
 
 Outcome = Literal["completed", "refused", "not finite", "traceback"]
 Verdict = Literal["ok", "doubt", "wrong"]

@@ -15,7 +15,8 @@ import yaml
 
 from vsb.errors import VsbError
 from vsb.tools.files import write_text
-from vsb.tools.tables import check_table, csv_text
+from vsb.tools.stamps import check_table
+from vsb.tools.words import csv_text
 
 Row = dict[str, Any]
 CONFIG = Path(__file__).parents[1] / "config"

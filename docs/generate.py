@@ -9,7 +9,7 @@ from typing import Any
 import vsb
 from vsb.cli import parser
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.shell.named_materials import NAMED
+from vsb.engine.shell.material import NAMED
 from vsb.keys.meanings import KEYS
 from vsb.keys.schema import Schema, schema_of
 from vsb.study.body import BodyStudy

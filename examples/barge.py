@@ -34,9 +34,10 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Finite, NonNegative, Number, Positive, Section, canonical
 from vsb.keys.reading import validated
 from vsb.report.canvas import grid_of_axes, legend_above, style
+from vsb.report.svg import svg_text
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import load, write_text
-from vsb.tools.tables import csv_text, svg_text
+from vsb.tools.words import csv_text
 
 GRADING = 0.5
 """Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""

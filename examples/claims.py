@@ -34,8 +34,8 @@ from vsb.engine.hydro.orders import order_groups
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.motion.damper_matrix import best_matrix
 from vsb.engine.motion.frequency import LinearEquation
-from vsb.engine.waves.dispersion import power_limit
 from vsb.engine.waves.seas import sea
+from vsb.engine.waves.water import power_limit
 from vsb.keys.reading import read_yaml
 from vsb.models.build import linear_design
 from vsb.models.floating_system import floating_system

@@ -15,13 +15,14 @@ from typing import Any
 import numpy as np
 
 from examples import command
-from vsb.engine.waves.dispersion import power_limit
 from vsb.engine.waves.seas import sea
+from vsb.engine.waves.water import power_limit
 from vsb.models.mode_convergence import ModeConvergence
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
-from vsb.tools.tables import check_table, csv_text
+from vsb.tools.stamps import check_table
+from vsb.tools.words import csv_text
 
 PERIODS = (2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0)
 PORTS = ("heave", "surge", "pitch")

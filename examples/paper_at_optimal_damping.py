@@ -22,7 +22,8 @@ from vsb.models.build import assumed_pressure_design
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text
-from vsb.tools.tables import check_table, csv_text
+from vsb.tools.stamps import check_table
+from vsb.tools.words import csv_text
 
 DAMPERS = np.geomspace(500.0, 50_000.0, 17)
 """Tried first [N s/m]."""

@@ -27,7 +27,7 @@ from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.study.vary import scaled
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
+from vsb.tools.words import csv_text
 
 SCALES = (1.0, 4.0)
 """Of lengths, by Froude's law, in the same seas."""

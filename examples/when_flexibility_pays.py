@@ -23,10 +23,11 @@ from vsb.engine.waves.seas import Sea, sea
 from vsb.errors import ConfigError
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import computed_buckling
+from vsb.report.svg import svg_text
 from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text, svg_text
+from vsb.tools.words import csv_text
 
 PERIODS = (2.0, 2.4, 2.7, 3.0, 3.3, 3.6, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0)
 """Of regular waves and of the peaks of JONSWAP seas [s]."""

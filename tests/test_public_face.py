@@ -15,8 +15,8 @@ from conftest import HERE
 
 import vsb
 from vsb.cli import main
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.scatter import energy_over_peak_period
-from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import save
 

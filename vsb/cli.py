@@ -222,7 +222,8 @@ def matrix(args: argparse.Namespace) -> int:
     from vsb.api.opened import open as opened
     from vsb.api.results import Results
     from vsb.tools.files import write_text
-    from vsb.tools.tables import check_table, csv_text
+    from vsb.tools.stamps import check_table
+    from vsb.tools.words import csv_text
 
     results, head = opened(args.folder), ("design", "hs", "te", "power", "capture_width", "damping")
     if not isinstance(results, Results):

@@ -23,8 +23,8 @@ from examples.power_from_strain import SEAS
 from examples.published.pages import Value
 from examples.when_flexibility_pays import DEGREE
 from vsb.engine.motion.port import Port
-from vsb.engine.waves.dispersion import power_limit
 from vsb.engine.waves.kinds import RegularWave
+from vsb.engine.waves.water import power_limit
 from vsb.errors import VsbError
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import computed_buckling, reference_shell

@@ -20,7 +20,7 @@ from vsb.engine.shell.deformed import rigid_sphere
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.orders import Ballast, order_basis, semi_normalisation
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 
 RHO, G = 1025.0, 9.81
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)

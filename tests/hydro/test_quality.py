@@ -3,8 +3,7 @@ import pytest
 import xarray as xr
 
 from vsb.engine.hydro import quality
-from vsb.engine.waves.dispersion import group_velocity
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import DatabaseError
 
 OMEGA = np.arange(1, 121) * 0.1

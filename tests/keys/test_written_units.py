@@ -12,7 +12,7 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import in_si, validated
-from vsb.keys.written_units import unit_of
+from vsb.keys.schema import unit_of
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign

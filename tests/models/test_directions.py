@@ -11,7 +11,7 @@ from vsb.engine.hydro.database import load_database
 from vsb.engine.integrators.audit import energies, residual
 from vsb.engine.integrators.harmonic_balance import harmonic_balance
 from vsb.engine.integrators.simulate import simulate
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError
 from vsb.models.build import linear_design
 from vsb.models.drag import LINEARISED

@@ -8,8 +8,7 @@ from conftest import varied
 
 from vsb.engine.integrators.harmonic_balance import harmonic_balance
 from vsb.engine.integrators.simulate import suited
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.models.build import TUNED, body_exact_design, linear_design
 from vsb.models.drag import LINEARISED, coefficients, flow
 from vsb.results.ladder import CAUSAL, SAME_FORCE, study_ladder

@@ -11,7 +11,7 @@ import pytest
 from conftest import varied
 
 from vsb.engine.motion.port import port_direction
-from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.rings import HIGHEST, RingModes, along_wall, normal_to_wall
 from vsb.engine.waves.seas import sea

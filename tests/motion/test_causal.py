@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from vsb.engine.motion.causal import RmsLimits, StationaryPort, Weights, numerical_error, optimum
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import damper_within_force
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import StabilityError
 
 

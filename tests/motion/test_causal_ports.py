@@ -9,7 +9,7 @@ from vsb.engine.motion import causal
 from vsb.engine.motion.causal import NOISE, RmsLimits, Weights, numerical_error
 from vsb.engine.motion.causal_ports import StationaryPorts, optimum
 from vsb.engine.motion.damper_matrix import Ports, best_matrix
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.kinds import jonswap_spectrum
 
 
 def diagonal(*ports):

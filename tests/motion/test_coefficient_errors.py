@@ -15,7 +15,7 @@ from vsb.engine.motion.coefficient_errors import (
     sensitivity_of_forces,
 )
 from vsb.engine.motion.frequency import LinearEquation
-from vsb.engine.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.waves.water import group_velocity, wavenumber
 
 OMEGA = np.array([0.7, 1.1, 1.9])
 SQUARES = np.array([0.3, 1.0, 0.2])

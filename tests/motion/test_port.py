@@ -16,7 +16,7 @@ from vsb.engine.motion.port import LinearPto, Port, channels_reached, combinatio
 from vsb.engine.motion.take_off import BetweenPort, LinePort, ShellPort, StrainPort
 from vsb.engine.shell.deformed import DeformedShell, enclosed
 from vsb.engine.shell.modes import mode_basis
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError, DatabaseError
 from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.stages.water import spectral_problem

@@ -17,7 +17,7 @@ from vsb.report.figures import (
     port_motion,
 )
 from vsb.study.figure_names import of_buoy
-from vsb.tools.ports import FORCE, MOMENT
+from vsb.tools.variables import FORCE, MOMENT
 
 OMEGA = np.linspace(0.1, 6.0, 600)
 NONE = xr.Dataset()

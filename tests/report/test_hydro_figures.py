@@ -6,7 +6,7 @@ import xarray as xr
 from report.test_figures import data
 
 from vsb.engine.waves.climate import Climate, band_edges
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.report.canvas import StudyData
 from vsb.report.hydro_figures import spectra, witness, year_spectra
 from vsb.report.svg import in_words

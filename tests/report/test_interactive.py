@@ -11,9 +11,8 @@ from results.test_year import climate
 
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers, mean_power
-from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz
+from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, jonswap_spectrum
 from vsb.engine.waves.seas import components
-from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.engine.waves.water import Water
 from vsb.report import html
 from vsb.report.canvas import style
@@ -26,7 +25,7 @@ from vsb.report.interactive import (
 )
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
-from vsb.tools.ports import FORCE
+from vsb.tools.variables import FORCE
 
 TEMPLATES = Path(html.__file__).parent / "templates"
 ALGEBRA = (TEMPLATES / "algebra.js").read_text(encoding="utf-8")

@@ -28,7 +28,7 @@ from vsb.report.page import (
     table,
     winning_bands,
 )
-from vsb.tools.ports import FORCE
+from vsb.tools.variables import FORCE
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 

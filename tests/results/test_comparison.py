@@ -9,10 +9,9 @@ import xarray as xr
 from conftest import varied
 
 from vsb.engine.motion.port import Port
-from vsb.engine.waves.dispersion import group_velocity, power_limit
 from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.engine.waves.seas import NO_WAVES, Sea, regular, sea
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity, power_limit
 from vsb.errors import ConfigError
 from vsb.models.build import TUNED
 from vsb.results.comparison import (

@@ -11,11 +11,10 @@ from conftest import varied
 
 from vsb.engine.hydro.database import INVALIDATING, Check
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.shell import Shell
-from vsb.engine.waves.dispersion import power_limit, wavenumber
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, power_limit, wavenumber
 from vsb.keys.reading import validated
 from vsb.models.load_advice import advice
 from vsb.models.rest import reference_shell, study_basis

@@ -11,8 +11,8 @@ from conftest import varied
 from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.seas import Sea, sea
-from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import floating_system, port_in_seas
 from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled

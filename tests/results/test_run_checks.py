@@ -6,7 +6,7 @@ import xarray as xr
 from conftest import SEED, varied
 
 from vsb.engine.integrators.settings import Simulation
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConvergenceError
 from vsb.keys.reading import validated
 from vsb.models.build import TUNED

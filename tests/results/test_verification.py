@@ -12,7 +12,7 @@ from vsb.engine.integrators.settings import Simulation
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.climate import realised
-from vsb.engine.waves.ndbc import read_ndbc
+from vsb.engine.waves.measured_spectra import read_ndbc
 from vsb.errors import ConfigError
 from vsb.models.build import Memory
 from vsb.models.rest import design_motions, reference_shell, study_basis

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 from vsb.engine.motion.port import Port
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.ndbc import read_ndbc
+from vsb.engine.waves.measured_spectra import read_ndbc
 from vsb.engine.waves.scatter import climate_of_cells
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError

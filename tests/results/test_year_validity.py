@@ -7,9 +7,8 @@ from conftest import varied
 from models.test_ports import water
 from results.test_year import climate
 
-from vsb.engine.waves.dispersion import wavenumber
 from vsb.engine.waves.scatter import climate_of_cells
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.models.ports import buoy_at
 from vsb.models.rest import reference_shell
 from vsb.results.year import band_weights, year

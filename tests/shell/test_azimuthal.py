@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from vsb.engine.shell.azimuthal import azimuthal_stiffness, complete_order, softest_order
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.elasticity import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw
-from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
+from vsb.engine.shell.loaded import ElasticShell, LoadedShell, complete_basis, equilibrium
+from vsb.engine.shell.lobes import azimuthal_stiffness, complete_order, softest_order
+from vsb.engine.shell.material import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw
 from vsb.engine.shell.orders import volume_hessian
 from vsb.engine.shell.shell import Shell
 

@@ -16,7 +16,7 @@ from vsb.engine.shell.device import (
     volume_to,
     waterline_radius,
 )
-from vsb.engine.shell.named_materials import NAMED
+from vsb.engine.shell.material import NAMED
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical

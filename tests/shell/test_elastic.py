@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.meridian import capsule, spheroid
 from vsb.engine.shell.modes import ModeBasis, curvature_shapes, mode_basis, natural_shapes, shell_modes
 from vsb.engine.shell.shell import Shell

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.elasticity import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw, Range, Wall
-from vsb.engine.shell.loaded import complete_basis
+from vsb.engine.shell.loaded import ElasticShell, complete_basis
+from vsb.engine.shell.material import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw, Range, Wall
 from vsb.engine.shell.meridian import spheroid
 from vsb.engine.shell.modes import ModeBasis, natural_shapes
 from vsb.engine.shell.shell import Shell

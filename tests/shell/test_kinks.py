@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vsb.engine.shell.kinks import KinkModes
 from vsb.engine.shell.meridian import capsule, spheroid
-from vsb.engine.shell.rings import BeltLoad, RingModes, along_wall, normal_to_wall, vertical
+from vsb.engine.shell.rings import BeltLoad, KinkModes, RingModes, along_wall, normal_to_wall, vertical
 from vsb.engine.shell.shell import Shell
 
 LOADS = normal_to_wall(1.2), along_wall(1.2), vertical(2.0), BeltLoad(0.9, 1.7, 1.0, 0.0), normal_to_wall(0.0)
@@ -54,7 +53,7 @@ def test_compliance_of_a_capsule_converges_with_the_degrees_beside_kinks(monkeyp
     """With degrees to 84, 126 and 168 it is 0.3, 0.015 and 0.002 % off, although a junction is near the ring."""
     missed = []
     for finer in (1, 2, 3):
-        monkeypatch.setattr("vsb.engine.shell.kinks.FINER", finer)
+        monkeypatch.setattr("vsb.engine.shell.rings.FINER", finer)
         missed.append(np.diag(KinkModes(CAPSULE, 14, LOADS[:2], (0.0, 0.0))._under_loads[1]))
     coarse, fine = (np.abs(one / missed[-1] - 1) for one in missed[:-1])
     assert np.all(coarse < 5e-3)

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import quad
 
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.elastic import ElasticShell, converged_degree
 from vsb.engine.shell.loaded import (
+    ElasticShell,
     Gas,
     LoadedShell,
     buckling,
@@ -21,7 +21,7 @@ from vsb.engine.shell.loaded import (
 from vsb.engine.shell.lobes import LobedShell, with_lobes
 from vsb.engine.shell.meridian import capsule, spheroid
 from vsb.engine.shell.modes import ModeBasis, mode_basis, natural_shapes
-from vsb.engine.shell.shell import Shell
+from vsb.engine.shell.shell import Shell, converged_degree
 from vsb.errors import ConvergenceError
 
 RHO, G = 1025.0, 9.81

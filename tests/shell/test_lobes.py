@@ -5,14 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from vsb.engine.shell.azimuthal import complete_order
 from vsb.engine.shell.deformed import rigid_buoy
-from vsb.engine.shell.elastic import ElasticShell, converged_degree
-from vsb.engine.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
-from vsb.engine.shell.lobes import LobedShell, displacements, strains, with_lobes
-from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.loaded import ElasticShell, LoadedShell, buckling, complete_basis, complete_shell
+from vsb.engine.shell.lobes import LobedShell, complete_order, displacements, strains, with_lobes
+from vsb.engine.shell.meridian import RestMeridian, bend, capsule, curve, spheroid
 from vsb.engine.shell.orders import prestress_stiffness
-from vsb.engine.shell.shell import Shell, bend, curve
+from vsb.engine.shell.shell import Shell, converged_degree
 
 RHO, G = 1025.0, 9.81
 SPHERE = Shell(radius=2.0, thickness=0.04, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)

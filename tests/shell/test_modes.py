@@ -9,7 +9,6 @@ from scipy.linalg import eigh
 from shell.test_shell import LOWER, TABLE_I
 
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.degrees import mass_block, membrane_block
 from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
 from vsb.engine.shell.modes import (
     ModeBasis,
@@ -20,7 +19,7 @@ from vsb.engine.shell.modes import (
     shell_modes,
     strain_shapes,
 )
-from vsb.engine.shell.ritz import natural_modes
+from vsb.engine.shell.ritz import mass_block, membrane_block, natural_modes
 from vsb.engine.shell.shell import Shell, natural_frequencies
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, study_basis

@@ -8,14 +8,15 @@ from scipy.special import assoc_legendre_p
 
 from vsb.engine.shell.deformed import enclosed
 from vsb.engine.shell.device import Device, Gas
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import LoadedShell
+from vsb.engine.shell.loaded import ElasticShell, LoadedShell
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.orders import (
     Ballast,
     OrderBasis,
     ballast_of,
+    enclosed_in_orders,
     geometric_stiffness,
+    largest_deformation,
     order_basis,
     prestress_stiffness,
     semi_normalisation,
@@ -23,7 +24,6 @@ from vsb.engine.shell.orders import (
     volume_hessian,
     yaw,
 )
-from vsb.engine.shell.surface import enclosed_in_orders, largest_deformation
 from vsb.errors import ConfigError
 
 DEVICE = Device(

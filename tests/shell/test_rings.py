@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag, eigh, null_space
 
-from vsb.engine.shell.azimuthal import azimuthal_stiffness
-from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block, twisted, twisting_mass
 from vsb.engine.shell.device import Device
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import LoadedShell
+from vsb.engine.shell.loaded import ElasticShell, LoadedShell
+from vsb.engine.shell.lobes import azimuthal_stiffness
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.orders import Ballast, order_basis, prestress_stiffness, semi_normalised
 from vsb.engine.shell.rings import RingModes, along_wall, around_axis, normal_to_wall
+from vsb.engine.shell.ritz import bending_block, mass_block, membrane_block, twisted, twisting_mass
 
 DEVICE = Device(
     radius=2.0, thickness=0.02, young_modulus=3e7, poisson_ratio=0.3, density=2700.0, mass=17170.0,

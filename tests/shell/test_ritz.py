@@ -6,10 +6,9 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
 from vsb.engine.shell import ritz
-from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block
-from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
-from vsb.engine.shell.ritz import heave, matrices, natural_modes
-from vsb.engine.shell.shell import Shell, bend, curve
+from vsb.engine.shell.meridian import RestMeridian, bend, capsule, curve, spheroid
+from vsb.engine.shell.ritz import bending_block, heave, mass_block, matrices, membrane_block, natural_modes
+from vsb.engine.shell.shell import Shell
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))

@@ -9,9 +9,8 @@ from scipy.optimize import brentq, minimize
 from verification import membrane
 
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.elasticity import GentLaw, MooneyRivlinLaw, NeoHookeanLaw
-from vsb.engine.shell.loaded import Gas, LoadedShell, complete_basis, equilibrium, stable_path
+from vsb.engine.shell.loaded import ElasticShell, Gas, LoadedShell, complete_basis, equilibrium, stable_path
+from vsb.engine.shell.material import GentLaw, MooneyRivlinLaw, NeoHookeanLaw
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError
 

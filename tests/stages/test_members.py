@@ -14,7 +14,7 @@ from conftest import SEED
 
 from vsb.api.campaign import Campaign
 from vsb.engine.motion.damper_matrix import best_matrix
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import VsbError
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import floating_system

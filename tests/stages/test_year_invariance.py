@@ -7,7 +7,7 @@ import pytest
 import yaml
 from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, usual
 
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.keys.quantities import canonical
 from vsb.stages import campaign
 from vsb.stages.stage import function_of, specification

@@ -13,7 +13,7 @@ from vsb.engine.hydro.database import displacements_of, in_modes
 from vsb.engine.hydro.quality import added_mass_difference
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
 from vsb.models.rest import study_basis

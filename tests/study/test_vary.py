@@ -14,7 +14,7 @@ from vsb.engine.shell.modes import mode_basis
 from vsb.keys.meanings import KEYS
 from vsb.study import study as config
 from vsb.study.vary import Vary, length_power, powers, read_vary, scaled, unit
-from vsb.tools.ports import MOMENT, PRESSURE
+from vsb.tools.variables import MOMENT, PRESSURE
 
 TAKEN = ("damping", "hs")
 

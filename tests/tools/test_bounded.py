@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from vsb.cli import main
-from vsb.tools.bounded import LARGEST, bounded_memory, bounded_time, read_bounded, read_unpacked
+from vsb.tools.files import LARGEST, bounded_memory, bounded_time, read_bounded, read_unpacked
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="memory is bounded on Linux only")
 

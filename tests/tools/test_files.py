@@ -18,8 +18,7 @@ from hypothesis.extra import numpy as hnp
 
 import vsb.engine.motion.variables  # noqa: F401  (registers rao)
 from vsb.errors import DatabaseError
-from vsb.tools.files import ROOT, checksum, load, read_text, save, write_text
-from vsb.tools.locks import locked
+from vsb.tools.files import ROOT, checksum, load, locked, read_text, save, write_text
 from vsb.tools.variables import VARIABLES
 
 FINITE = st.floats(-1e12, 1e12)

@@ -11,8 +11,7 @@ import pytest
 from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import save, write_text
-from vsb.tools.locks import locked
+from vsb.tools.files import locked, save, write_text
 from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record
 
 ID, OTHER = "a" * 16, "b" * 16

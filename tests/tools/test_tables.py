@@ -8,7 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from vsb.errors import DatabaseError
-from vsb.tools.tables import check_table, csv_text, svg_text
+from vsb.report.svg import svg_text
+from vsb.tools.stamps import check_table
+from vsb.tools.words import csv_text
 
 
 def test_cells_round_trip_and_missing_ones_are_empty():

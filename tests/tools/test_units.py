@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.keys.meanings import KEYS
-from vsb.tools.ports import KINDS
 from vsb.tools.units import parsed_unit, split, unit, value_in
+from vsb.tools.variables import KINDS
 
 
 @pytest.mark.parametrize(

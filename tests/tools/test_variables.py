@@ -8,8 +8,7 @@ from tools.test_files import rao
 import vsb.results.variables  # noqa: F401  (registers variables of all rooms)
 from vsb.errors import DatabaseError
 from vsb.tools.files import merged, separated
-from vsb.tools.ports import FORCE, KINDS, MOMENT
-from vsb.tools.variables import VARIABLES, check_finite, described
+from vsb.tools.variables import FORCE, KINDS, MOMENT, VARIABLES, check_finite, described
 
 
 def test_complex_numbers_are_stored_as_capytaine_does():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from vsb.engine.waves.climate import Climate, height_and_period, is_doubt, of_records, realised
-from vsb.engine.waves.dispersion import wavenumber
 from vsb.engine.waves.records import impossible
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError
 
 

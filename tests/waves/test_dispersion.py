@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.engine.waves.dispersion import group_velocity, horizontal_velocity, power_limit, vertical_velocity, wavenumber
+from vsb.engine.waves.water import group_velocity, horizontal_velocity, power_limit, vertical_velocity, wavenumber
 
 G = 9.81
 

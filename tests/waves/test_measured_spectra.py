@@ -11,7 +11,7 @@ import xarray as xr
 
 from vsb.engine.waves.measured_spectra import read_spectra
 from vsb.errors import ConfigError
-from vsb.tools.bounded import sha256_of
+from vsb.tools.files import sha256_of
 
 BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
 DENSITY = np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]])

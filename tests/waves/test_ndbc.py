@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vsb.engine.waves.ndbc import read_ndbc
+from vsb.engine.waves.measured_spectra import read_ndbc
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 

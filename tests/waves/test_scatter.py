@@ -8,15 +8,15 @@ from scipy.special import gamma as gamma_function
 from scipy.stats import norm, weibull_min
 
 from vsb.engine.waves.climate import is_doubt
+from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.scatter import (
     climate_of_cells,
     energy_over_peak_period,
     energy_period_over,
     jonswap_bands,
     read_scatter,
+    read_table,
 )
-from vsb.engine.waves.scatter_table import read_table
-from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import ConfigError
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"

@@ -4,11 +4,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.dispersion import group_velocity, wavenumber
-from vsb.engine.waves.kinds import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, Tma, WhiteNoise
+from vsb.engine.waves.kinds import (
+    Jonswap,
+    OchiHubble,
+    PiersonMoskowitz,
+    RegularWave,
+    StillWater,
+    Tma,
+    WhiteNoise,
+    jonswap_spectrum,
+)
 from vsb.engine.waves.seas import FEW, Sea, components, irregular, sea, sea_energy, superposed
-from vsb.engine.waves.spectra import jonswap_spectrum
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity, wavenumber
 
 
 def test_realisations_differ_by_phase_only_and_repeat_by_seed():

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 
 from vsb.engine.waves.measured_spectra import read_spectra
-from vsb.engine.waves.scatter import energy_period_over, read_scatter
-from vsb.engine.waves.scatter_table import read_table
+from vsb.engine.waves.scatter import energy_period_over, read_scatter, read_table
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 

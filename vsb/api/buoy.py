@@ -13,7 +13,7 @@ from vsb.api.plots import StudyPlots
 from vsb.api.results import Results
 from vsb.engine.hydro.database import Check
 from vsb.engine.hydro.labels import RIGID
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError
 from vsb.models.rest import reference_shell
 from vsb.results.ledger import shell_checks

@@ -23,7 +23,7 @@ from vsb.design.several import SeveralYear
 from vsb.design.year import PortYear, band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 from vsb.results.budget import MODES, Budget, Source
 from vsb.study.design import DIVISORS, OF_RIGID, Objective
 from vsb.study.study import Study

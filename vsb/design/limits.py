@@ -10,8 +10,8 @@ from scipy.optimize import minimize_scalar
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
 from vsb.engine.shell.loaded import LoadedShell, buckling_pencil
 from vsb.engine.shell.lobes import LobedShell, Lobes
+from vsb.engine.shell.meridian import length, meridian_rule
 from vsb.engine.shell.modes import rigid_basis
-from vsb.engine.shell.shell import length, meridian_rule
 from vsb.models.rest import complete_loaded_shell, loaded_shell
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray

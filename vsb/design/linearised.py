@@ -22,8 +22,8 @@ from vsb.engine.motion.take_off import (
     SinglePort,
     StrainPort,
 )
+from vsb.engine.shell.meridian import Curve
 from vsb.engine.shell.modes import DISTINCT
-from vsb.engine.shell.shell import Curve
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, mooring_rows
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray

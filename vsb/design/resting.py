@@ -16,9 +16,9 @@ from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.engine.shell.material import Hookean
-from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid, through
+from vsb.engine.shell.meridian import ClosedMeridian, Curve, capsule, series, spheroid, through
 from vsb.engine.shell.modes import rigid_basis
-from vsb.engine.shell.shell import Curve, Shell
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.keys.quantities import at_key
 from vsb.models.rest import loaded_shell, stiffness_about

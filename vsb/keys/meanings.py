@@ -9,7 +9,7 @@ class Key(NamedTuple):
     unit: str
     example: str
     meaning: str
-    at_port: str = ""  # where the unit depends on the port: field of `vsb.tools.ports.PortKind`
+    at_port: str = ""  # where the unit depends on the port: field of `vsb.tools.variables.PortKind`
 
 
 _HS = {"hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area")}

@@ -11,9 +11,9 @@ from vsb.engine.motion.forces import QuadraticDrag
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.tuning import squares
-from vsb.engine.waves.dispersion import horizontal_velocity, vertical_velocity
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.water import horizontal_velocity, vertical_velocity
 from vsb.errors import ConfigError
 from vsb.models.floating_system import FloatingSystem, heading
 from vsb.study.drag import Plate, Vane

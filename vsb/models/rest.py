@@ -16,8 +16,15 @@ from vsb.engine.motion.port import port_direction
 from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.device import Device
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium, equilibrium_near
+from vsb.engine.shell.loaded import (
+    Buckling,
+    ElasticShell,
+    LoadedShell,
+    buckling,
+    complete_shell,
+    equilibrium,
+    equilibrium_near,
+)
 from vsb.engine.shell.lobes import with_lobes
 from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw

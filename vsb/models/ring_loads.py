@@ -16,11 +16,11 @@ from vsb.engine.hydro.orders import ORDER
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.take_off import BetweenPort, PortChoice, SeveralPorts, ShellPort, StrainPort
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
-from vsb.engine.shell.kinks import KinkModes
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.rings import (
     HIGHEST,
     BeltLoad,
+    KinkModes,
     RingLoad,
     RingModes,
     along_wall,

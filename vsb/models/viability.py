@@ -10,10 +10,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from vsb.engine.motion.port import LinearPto, port_direction
-from vsb.engine.shell.azimuthal import softest_order
 from vsb.engine.shell.deformed import ReferenceShell
-from vsb.engine.shell.elastic import ElasticShell
-from vsb.engine.shell.loaded import Buckling, LoadedShell, stable_path
+from vsb.engine.shell.loaded import Buckling, ElasticShell, LoadedShell, stable_path
+from vsb.engine.shell.lobes import softest_order
 from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.modes import ModeBasis
 from vsb.errors import ConfigError, ConvergenceError, StabilityError

@@ -8,9 +8,8 @@ import xarray as xr
 
 from vsb.engine.hydro.bodies.outline import DISPLACED, OUTLINE
 from vsb.engine.hydro.labels import motion_of
-from vsb.engine.waves.dispersion import wavenumber
 from vsb.engine.waves.seas import Sea, superposed
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.report.interactive import as_script, packed
 from vsb.report.shell_figures import round_factor
 from vsb.tools.arrays import FloatArray

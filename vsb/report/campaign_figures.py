@@ -17,7 +17,7 @@ from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, numbe
 from vsb.results.campaign import damper
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.campaign import CONSTRAINED
-from vsb.tools.ports import kind_of
+from vsb.tools.variables import kind_of
 from vsb.tools.words import quantity, superscripts
 
 MOST_ACROSS, MOST_CELLS, SIDE_BY_SIDE = 18, 18 * 14, 12

@@ -33,7 +33,7 @@ from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.arrays import FloatArray
-from vsb.tools.ports import kind_of
+from vsb.tools.variables import kind_of
 from vsb.tools.words import gain_text, plain, short
 
 CAPTIONS = {

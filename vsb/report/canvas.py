@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vsb.report.band import lowest
 from vsb.tools.arrays import FloatArray
-from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import plain
 
 WIDTH = 6.3

@@ -25,7 +25,7 @@ from vsb.report.design_answer import (
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import CONTROLLED, unit_of
-from vsb.tools.ports import FORCE, KINDS
+from vsb.tools.variables import FORCE, KINDS
 from vsb.tools.words import gains_within, watts_and_ends, watts_within
 
 BUOYS = (

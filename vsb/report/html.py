@@ -12,8 +12,7 @@ import markupsafe
 
 from vsb.report.doubts import advice
 from vsb.study.figure_names import FIGURE_KINDS
-from vsb.tools.tables import csv_text
-from vsb.tools.words import short, superscripts
+from vsb.tools.words import csv_text, short, superscripts
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones are only linked."""

@@ -19,7 +19,7 @@ from vsb.engine.waves.climate import YEAR_HOURS, Climate
 from vsb.report.canvas import style
 from vsb.results.year import band_weights, bins_of
 from vsb.tools.arrays import FloatArray
-from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import superscripts
 
 if TYPE_CHECKING:

@@ -40,7 +40,7 @@ from vsb.report.figures import captions
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.tools.arrays import FloatArray
-from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import gain_decimals, multiple, plain, power, superscripts, the_rigid
 
 Measure = tuple[str, str, float, str]

@@ -10,9 +10,8 @@ from vsb.report.campaign_answer import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
 from vsb.report.svg import drawn
-from vsb.tools.ports import FORCE
-from vsb.tools.tables import csv_text
-from vsb.tools.words import gain_decimals, interval_text, plain, superscripts
+from vsb.tools.variables import FORCE
+from vsb.tools.words import csv_text, gain_decimals, interval_text, plain, superscripts
 
 
 class Line(NamedTuple):

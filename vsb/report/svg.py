@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,8 +19,10 @@ from matplotlib.figure import Figure
 from vsb.study.figure_names import FIGURE_KINDS
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
-from vsb.tools.tables import csv_text, svg_text
-from vsb.tools.words import plain
+from vsb.tools.words import csv_text, plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FONTS = "DejaVu Sans, Verdana, sans-serif"
 _AUTHOR: dict[str, dict[str, str | None]] = {
@@ -198,3 +200,13 @@ def _x_label(figure: Figure, ax: Axes) -> str:
 def _one_line(text: str) -> str:
     """A label on one line."""
     return " ".join(text.split())
+
+
+def svg_text(figure: "Figure") -> str:
+    """Return a figure as SVG without a date; drawn once, where `savefig` draws all of it twice to lay it out."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    text, dpi, canvas = io.StringIO(), figure.dpi, FigureCanvasSVG(figure)
+    canvas.print_svg(text, metadata={"Date": None, "Creator": "vsb"})  # type: ignore[no-untyped-call]
+    figure.set_dpi(dpi)
+    return text.getvalue()

@@ -17,8 +17,8 @@ from vsb.study.specs import CampaignSpec
 from vsb.study.study import first_rigid
 from vsb.study.vary import MEMBER, PORT, unit
 from vsb.tools.arrays import AnyArray, FloatArray
-from vsb.tools.ports import PortKind
-from vsb.tools.tables import csv_text
+from vsb.tools.variables import PortKind
+from vsb.tools.words import csv_text
 
 BY = ("design", "tuning")
 TABLE = (

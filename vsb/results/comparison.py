@@ -10,17 +10,16 @@ from scipy.interpolate import CubicSpline
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.linear import direction_index
 from vsb.engine.motion.take_off import SeveralPorts
-from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
 from vsb.engine.waves.seas import Sea
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import ConfigError
 from vsb.models.build import TUNED, TUNED_MATRIX
 from vsb.models.drag import LINEARISED
 from vsb.models.take_off import given_matrix
 from vsb.study.study import BaseStudy
 from vsb.tools.arrays import FloatArray
-from vsb.tools.tables import csv_text
+from vsb.tools.words import csv_text
 
 NO_POWER = 1e-9
 """Mean power that counts as none [W]."""

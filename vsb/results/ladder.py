@@ -68,7 +68,7 @@ from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
 from vsb.study.specs import LadderSpec
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.tables import csv_text
+from vsb.tools.words import csv_text
 
 CONSTRAINED = "constrained"
 CAUSAL = "causal"

@@ -16,14 +16,13 @@ from vsb.engine.hydro import witness
 from vsb.engine.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.shell.deformed import ReferenceShell
-from vsb.engine.shell.elasticity import Range
 from vsb.engine.shell.lobes import LobedShell
+from vsb.engine.shell.material import Range
+from vsb.engine.shell.orders import largest_displacement
 from vsb.engine.shell.rings import HIGHEST
 from vsb.engine.shell.shell import Shell
-from vsb.engine.shell.surface import largest_displacement
-from vsb.engine.waves.dispersion import power_limit, wavenumber
 from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, power_limit, wavenumber
 from vsb.keys.meanings import KEYS
 from vsb.keys.quantities import leaves
 from vsb.models.floating_system import band, expected_sea, floating_system, port_in_seas

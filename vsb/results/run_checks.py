@@ -15,9 +15,9 @@ from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, is_of_ring, motio
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import CONVOLVED
 from vsb.engine.shell.modes import ModeBasis
-from vsb.engine.shell.surface import largest_deformation, largest_displacement, largest_strain
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.shell.orders import largest_deformation, largest_displacement, largest_strain
 from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
+from vsb.engine.waves.water import wavenumber
 from vsb.models.drag import DAMPERS, LINEARISED
 from vsb.models.rest import order_bases, reference_shell
 from vsb.models.viability import static_strain
@@ -25,7 +25,7 @@ from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_
 from vsb.results.ledger import strain_check
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import BaseStudy, Study
-from vsb.tools.ports import FORCE, MOMENT
+from vsb.tools.variables import FORCE, MOMENT
 from vsb.tools.words import plain
 
 ROTATION, TRANSLATION = 0.2, 0.3

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.hydro.labels import ROTATIONS, motion_of
-from vsb.tools.ports import kind_of
-from vsb.tools.tables import csv_text
+from vsb.tools.variables import kind_of
+from vsb.tools.words import csv_text
 
 BODY_FORCES = {
     "forceExcitation": ("excitation", "froude_krylov", "diffraction"),

@@ -22,8 +22,7 @@ from vsb.models.drag import LINEARISED
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
 from vsb.study.study import FEWEST_BATCHES, BaseStudy
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
-from vsb.tools.tables import csv_text
-from vsb.tools.words import plain
+from vsb.tools.words import csv_text, plain
 
 CONFIDENCE = 0.95
 INSTANTS = 8

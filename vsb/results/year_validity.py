@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.models.floating_system import InWaves, SeveralInWaves
 from vsb.results.year import Bins, Year, band_weights
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray

@@ -34,8 +34,8 @@ from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.tools.files import load, write_text
-from vsb.tools.ports import kind_of
 from vsb.tools.stamps import record
+from vsb.tools.variables import kind_of
 
 FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""

@@ -8,7 +8,7 @@ from vsb.engine.waves.measured_spectra import read_spectra
 from vsb.engine.waves.scatter import Spectrum, read_scatter
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
-from vsb.tools.bounded import sha256_of
+from vsb.tools.files import sha256_of
 
 
 def read_climate(spec: ClimateSpec, path: str) -> Climate:

@@ -21,7 +21,7 @@ from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.design_plan import DesignPlan
 from vsb.study.specs import Search
 from vsb.study.vary import unit
-from vsb.tools.ports import PortKind
+from vsb.tools.variables import PortKind
 
 RESULTS_SECONDS = 5.0
 """CPU time of tables, figures and report [s]."""

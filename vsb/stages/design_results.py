@@ -45,8 +45,7 @@ from vsb.study.study import Study
 from vsb.study.vary import unit
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
-from vsb.tools.tables import csv_text
-from vsb.tools.words import watts_within
+from vsb.tools.words import csv_text, watts_within
 
 Table = tuple[list[str], list[list[object]]]
 """Head and rows."""

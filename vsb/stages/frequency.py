@@ -22,7 +22,7 @@ from vsb.engine.motion.linear import NO_TAKE_OFF
 from vsb.engine.motion.port import LinearPto, Port
 from vsb.engine.motion.reduced import reduced_motions
 from vsb.engine.motion.take_off import SeveralPorts, port_kind
-from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.water import power_limit
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import FloatingSystem, floating_system, stored_body
 from vsb.models.take_off import given_matrix, matrix_kind

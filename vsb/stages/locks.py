@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vsb.errors import VsbError
 from vsb.keys.quantities import id_in
-from vsb.tools.locks import take, wait
+from vsb.tools.files import take, wait
 
 PATIENCE = 5.0
 """Time a lock is waited for without a word [s]."""

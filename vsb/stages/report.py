@@ -20,7 +20,6 @@ from vsb import __version__
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.dofs import flexible as is_flexible
 from vsb.engine.motion.take_off import named_ports, port_kind
-from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import (
     Irregular,
     IrregularSea,
@@ -30,9 +29,10 @@ from vsb.engine.waves.kinds import (
     SpectralSea,
     StillWater,
     Wave,
+    jonswap_spectrum,
 )
 from vsb.engine.waves.seas import components
-from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.water import group_velocity
 from vsb.models.floating_system import FloatingSystem, band, floating_system
 from vsb.report.band import lowest
 from vsb.report.canvas import PORT, StudyData

@@ -15,9 +15,9 @@ from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
 from vsb.models.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
 from vsb.report.hydro_figures import shape_figure
+from vsb.report.svg import svg_text
 from vsb.study.study import Study
 from vsb.tools.files import load, save, write_text
-from vsb.tools.tables import svg_text
 
 
 def counter(total: int) -> Callable[[], None]:

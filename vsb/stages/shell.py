@@ -7,10 +7,9 @@ import xarray as xr
 
 from vsb.engine.hydro.panels.mesh import display_shapes, write_wet_shell
 from vsb.engine.shell.deformed import ReferenceShell
-from vsb.engine.shell.meridian import ClosedMeridian
+from vsb.engine.shell.meridian import ClosedMeridian, curve
 from vsb.engine.shell.modes import Mode
 from vsb.engine.shell.orders import OrderBasis
-from vsb.engine.shell.shell import curve
 from vsb.keys.quantities import content_id
 from vsb.models.rest import check_stable, order_bases, reference_shell
 from vsb.stages.stage import stamp

@@ -13,8 +13,7 @@ from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.shell.deformed import DeformedShell, enclosed
 from vsb.engine.shell.modes import constraint_drift
-from vsb.engine.shell.orders import OrderBasis
-from vsb.engine.shell.surface import enclosed_in_orders
+from vsb.engine.shell.orders import OrderBasis, enclosed_in_orders
 from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.engine.waves.sampling import relative_error
 from vsb.engine.waves.seas import FEW

@@ -31,7 +31,7 @@ from vsb.keys.reading import read_yaml, validated
 from vsb.study.drag import BodyDrag, check_followed
 from vsb.study.sections import Published
 from vsb.study.study import BaseStudy, Study, check_all
-from vsb.tools.bounded import open_regular
+from vsb.tools.files import open_regular
 
 MOST_BODIES = 100
 """Bodies in a file of another code."""

@@ -16,7 +16,7 @@ from vsb.keys.reading import read_yaml, validated
 from vsb.study.body import AnyStudy, BodyStudy, LocatedBody, is_body, located
 from vsb.study.study import Study, not_reserved, parse
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
-from vsb.tools.bounded import sha256_of
+from vsb.tools.files import sha256_of
 
 Tunings = Literal["fixed", "one", "each", "damper_same_force", "causal", "constrained"]
 """Damper as given, the best one of the year, the best one of each sea; scheduled over sea states, the best damper of a

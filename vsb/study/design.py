@@ -23,8 +23,8 @@ from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, 
 from vsb.study.feasible import Ranges, Unmet
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
-from vsb.tools.bounded import sha256_of
-from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.files import sha256_of
+from vsb.tools.variables import FORCE, PortKind
 
 VARIABLES = (
     "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.thickness",

@@ -11,7 +11,7 @@ from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
-from vsb.tools.ports import MEMBRANE, SEVERAL
+from vsb.tools.variables import MEMBRANE, SEVERAL
 
 FIGURE_KINDS = ("svg", "csv")
 """Files of every figure: for a page, and the data behind it."""

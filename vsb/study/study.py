@@ -50,7 +50,7 @@ from vsb.study.directions import (
 from vsb.study.drag import Drag, Plate, check_followed
 from vsb.study.resolved import check_rubber, check_shape, resolved
 from vsb.study.sections import Design, Hydro, Modes, Published, RestShape
-from vsb.tools.ports import PortKind
+from vsb.tools.variables import PortKind
 
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.shell.material import Hookean
 from vsb.errors import ConfigError
-from vsb.keys.written_units import LIKELY
+from vsb.keys.schema import LIKELY
 from vsb.study.study import BaseStudy, Study
-from vsb.tools.ports import FORCE
 from vsb.tools.units import value_in
+from vsb.tools.variables import FORCE
 
 
 class _Range(NamedTuple):

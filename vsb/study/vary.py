@@ -15,8 +15,8 @@ from typing import Any, Self
 from vsb.engine.motion.take_off import port_kind
 from vsb.keys.meanings import AT_PORT, UNITS
 from vsb.keys.quantities import Section
-from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.units import DIMENSIONS, parsed_unit
+from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import shortened
 
 FROUDE_POWERS = {"m": Fraction(1), "kg": Fraction(3), "s": Fraction(1, 2)}

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vsb.errors import ConfigError
-from vsb.tools.bounded import decoded, read_unpacked
+from vsb.tools.files import decoded, read_unpacked
 from vsb.tools.units import number, unit
 from vsb.tools.words import shortened
 

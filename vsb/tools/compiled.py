@@ -18,7 +18,7 @@ import numba
 from numba.core.caching import FunctionCache
 
 from vsb.tools.arrays import FloatArray
-from vsb.tools.locks import wait
+from vsb.tools.files import wait
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 HERE = Path(__file__).parents[1]

@@ -17,8 +17,7 @@ import numpy as np
 
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import AnyArray
-from vsb.tools.bounded import reason_of
-from vsb.tools.files import CHANGED, DELETE, check_file, check_stamp, is_sealed, seal_of
+from vsb.tools.files import CHANGED, DELETE, check_file, check_stamp, is_sealed, reason_of, seal_of
 from vsb.tools.variables import check_finite
 
 if TYPE_CHECKING:

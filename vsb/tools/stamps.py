@@ -10,20 +10,23 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from vsb.errors import DatabaseError
-from vsb.tools.bounded import reason_of
 from vsb.tools.files import (
     CHANGED,
     DELETE,
     attributes,
     carries_stamp,
     check_file,
+    locked,
+    reason_of,
     write_text,
 )
-from vsb.tools.locks import locked
-from vsb.tools.words import shortened
+from vsb.tools.words import csv_text, shortened
+
+if TYPE_CHECKING:
+    pass
 
 MANIFEST = "manifest.json"
 _BEGINNINGS = {
@@ -269,3 +272,18 @@ def netcdf_fault(path: str | Path, expected: str, _: Manifest) -> Fault | None:
     if attrs["spec_id"] != expected:
         return Fault(str(path), "stale", f"is of {attrs['spec_id']!r}, needs {expected!r}")
     return None if "checksum" in attrs else Fault(str(path), "damaged", "carries no checksum of its contents")
+
+
+def check_table(path: str | Path, head: Iterable[object]) -> None:
+    """Check, before hours of work, that a table can be written and replaces at most an earlier one of its columns.
+
+    Raises `DatabaseError` if it cannot be written, or is any other file.
+    """
+    check_file(path)
+    if Path(path).exists():
+        columns = csv_text(head, []).encode()
+        with Path(path).open("rb") as file:
+            if file.read(len(columns)) != columns:
+                raise DatabaseError(
+                    f"{path}: is no earlier table of this command, and would be lost; needs another name for the output"
+                )

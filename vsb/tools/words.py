@@ -1,8 +1,14 @@
 """Numbers and values in words."""
 
+import csv
+import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    pass
 
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 """Smallest power [W], factor to its unit, unit."""
@@ -211,3 +217,12 @@ def against(gain: float, other: str, decimals: int = 1) -> str:
     if abs(gain) < SAME:
         return f"as much as {other}"
     return f"{abs(gain):.{decimals}f} % {'more' if gain > 0 else 'less'} than {other}"
+
+
+def csv_text(head: Iterable[object], rows: Iterable[Iterable[object]], digits: int = 10) -> str:
+    """Return a table as CSV, its numbers with so many digits; an empty cell is a quantity that does not exist."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows([f"{v:.{digits}g}" if isinstance(v, float) else v for v in row] for row in rows)
+    return text.getvalue()

@@ -13,7 +13,8 @@ from vsb.engine.hydro.bodies.mesh import at_centres
 from vsb.engine.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import Mode, ModeBasis
-from vsb.engine.shell.shell import Shell, legendre
+from vsb.engine.shell.ritz import legendre
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 
 LENGTH, BEAM, DRAUGHT = 6.0, 4.0, 2.0

@@ -15,7 +15,7 @@ from vsb.engine.hydro.bodies import files
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.build import build_body
 from vsb.errors import ConfigError
-from vsb.tools import bounded
+from vsb.tools import files as tool_files
 
 LABELS = ("Heave", "Pitch")
 BOX = barge.box(6.0, 4.0, 2.0, 1)
@@ -138,7 +138,7 @@ def damaged(data, chance):
 @pytest.mark.parametrize("kind", ["gdf", "nc", "stl", "vtu", "modes.nc"])
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypatch):
     """Ten of each kind: whatever other libraries make of them, no traceback, no warning, no end of memory or time."""
-    monkeypatch.setattr(bounded, "SECONDS", (1.0, 0.0))
+    monkeypatch.setattr(tool_files, "SECONDS", (1.0, 0.0))
     mesh, chance = mesh_file(tmp_path, "box.nc"), random.Random(kind)
     whole = mesh.read_bytes() if kind == "modes.nc" else mesh_file(tmp_path, f"box.{kind}").read_bytes()
     for i in range(11):

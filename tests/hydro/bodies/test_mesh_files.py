@@ -17,7 +17,7 @@ from vsb.engine.hydro.bodies.mesh import joined, triangulated, turned_outward
 from vsb.engine.hydro.bodies.mesh_files import read_mesh
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
-from vsb.tools import bounded
+from vsb.tools import files as tool_files
 
 R, T, N = 2.0, 3.0, 12  # radius and draught of an upright cylinder [m], panels around
 VOLUME = N / 2 * np.sin(2 * np.pi / N) * R**2 * T
@@ -400,7 +400,7 @@ LIBRARIES = (
 @pytest.mark.parametrize("kind", ["obj", "vtk", "vtp", "ply", "msh", "gdf", "off"])
 def test_damaged_meshes_raise_no_words_of_a_library(tmp_path, kind, monkeypatch):
     """Twelve of each kind, cut or with changed bytes: read, or one line of our own."""
-    monkeypatch.setattr(bounded, "SECONDS", (1.0, 0.0))
+    monkeypatch.setattr(tool_files, "SECONDS", (1.0, 0.0))
     points, side, _ = cylinder()
     path = tmp_path / f"whole.{kind}"
     if kind == "obj":

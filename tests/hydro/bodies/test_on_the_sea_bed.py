@@ -13,8 +13,7 @@ from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.engine.hydro.bodies.mesh import joined
 from vsb.engine.hydro.bodies.solver import BodyProblem
 from vsb.engine.hydro.panels.rings import quick_green_function
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
 

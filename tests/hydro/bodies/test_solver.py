@@ -12,9 +12,8 @@ from vsb.engine.hydro.bodies.verdict import identities
 from vsb.engine.hydro.panels import rings as bem
 from vsb.engine.hydro.panels.mesh import polygon_radius, revolved
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.shell.shell import legendre
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.shell.ritz import legendre
+from vsb.engine.waves.water import Water, wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)

@@ -18,8 +18,7 @@ from vsb.engine.hydro.database import with_excitation
 from vsb.engine.hydro.panels import rings as bem
 from vsb.engine.hydro.quality import negative_damping
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)

@@ -9,7 +9,7 @@ from capytaine.io.xarray import merge_complex_values
 from vsb.engine.hydro.formats.capytaine import read_capytaine
 from vsb.engine.hydro.formats.checks import coefficient_checks, sizes
 from vsb.engine.hydro.formats.wamit import import_wamit
-from vsb.engine.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.waves.water import group_velocity, wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools import variables
 

@@ -14,7 +14,7 @@ from vsb.engine.hydro.formats.bemio import bemio_entries
 from vsb.engine.hydro.formats.common import RIGID, body_names, floating, mode_labels, mode_numbers, rotations, structure
 from vsb.engine.hydro.formats.exchange import exported
 from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.engine.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.waves.water import group_velocity, wavenumber
 from vsb.errors import DatabaseError
 from vsb.tools import files, variables
 

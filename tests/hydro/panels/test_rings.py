@@ -11,7 +11,7 @@ from vsb.engine.hydro.panels import rings as bem
 from vsb.engine.hydro.panels.mesh import mean_mesh
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import rigid_sphere
-from vsb.engine.waves.dispersion import group_velocity
+from vsb.engine.waves.water import group_velocity
 from vsb.errors import DatabaseError
 from vsb.tools.stamps import read_manifest
 

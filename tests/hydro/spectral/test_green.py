@@ -13,7 +13,7 @@ from vsb.engine.hydro.spectral.meridian import WetMeridian
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
 from vsb.engine.shell.modes import mode_basis
-from vsb.engine.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.waves.water import group_velocity, wavenumber
 from vsb.errors import ConfigError
 
 NODE, WEIGHT = np.polynomial.legendre.leggauss(80)

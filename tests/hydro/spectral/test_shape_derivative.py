@@ -8,7 +8,8 @@ from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.loaded import complete_basis
-from vsb.engine.shell.shell import Curve, Shell
+from vsb.engine.shell.meridian import Curve
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 
 BASIS = complete_basis(Shell(2.0, 0.01, 1e7, 0.3, 2700.0), 3, 17170.0)

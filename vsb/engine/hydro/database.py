@@ -17,8 +17,7 @@ from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.modes import ModeBasis
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.files import load, save, write_text
-from vsb.tools.locks import locked
+from vsb.tools.files import load, locked, save, write_text
 
 
 class Coefficients(NamedTuple):

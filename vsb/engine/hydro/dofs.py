@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import assoc_legendre_p, j0, j1, jv
 
 from vsb.engine.hydro.labels import is_rigid
-from vsb.engine.shell.shell import legendre
+from vsb.engine.shell.ritz import legendre
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray
 

@@ -20,10 +20,9 @@ from scipy.linalg import block_diag, eigh, solve_continuous_are
 from scipy.sparse.csgraph import connected_components
 
 from vsb.engine.hydro.realisation import Balanced, StateSpace, least_damping, rational_fit
-from vsb.engine.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
+from vsb.engine.hydro.statespace import UNUSABLE, RadiationModel, levenberg_marquardt, partial_fractions, truncated
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.tools.least_squares import levenberg_marquardt
 
 Limit = Literal["given", "fitted"]
 POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)

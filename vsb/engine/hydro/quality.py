@@ -14,8 +14,7 @@ from vsb.engine.hydro.database import Check, check_at_most
 from vsb.engine.hydro.dofs import multiplicity
 from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.engine.hydro.sweep import joined
-from vsb.engine.waves.dispersion import haskind_factor
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, haskind_factor
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray
 

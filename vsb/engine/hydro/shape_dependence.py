@@ -40,7 +40,7 @@ from vsb.engine.hydro.database import Coefficients, displacements_of, in_modes, 
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.waves.dispersion import haskind_factor
+from vsb.engine.waves.water import haskind_factor
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.quantities import content_id
 from vsb.tools.arrays import ComplexArray, FloatArray

@@ -21,7 +21,7 @@ from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, RESOLUTION
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import Port
-from vsb.engine.waves.dispersion import haskind_factor
+from vsb.engine.waves.water import haskind_factor
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
 

@@ -36,9 +36,9 @@ from vsb.engine.motion.wetted import (
     values_on_grid,
     wet_intervals,
 )
-from vsb.engine.waves.dispersion import wavenumber
 from vsb.engine.waves.sampling import Signals, signals, signals_at
 from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.water import wavenumber
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import assign, njit
 

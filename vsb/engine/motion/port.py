@@ -26,7 +26,7 @@ from vsb.engine.motion.take_off import (
     StrainPort,
 )
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.orders import OrderBasis
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray

@@ -20,7 +20,7 @@ from vsb.engine.hydro.labels import ROTATIONS, motion_of
 from vsb.keys.meanings import KEYS
 from vsb.keys.quantities import Brief, Colatitude, Finite, Name, NonNegative, Number, Positive, Section, within
 from vsb.keys.reading import nearest
-from vsb.tools.ports import FORCE, MEMBRANE, MOMENT, PRESSURE, SEVERAL, TENSION, WORK, PortKind
+from vsb.tools.variables import FORCE, MEMBRANE, MOMENT, PRESSURE, SEVERAL, TENSION, WORK, PortKind
 from vsb.tools.words import shortened
 
 

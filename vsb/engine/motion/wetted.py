@@ -22,9 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from vsb.engine.shell.meridian import ClosedMeridian, RestMeridian
+from vsb.engine.shell.meridian import ClosedMeridian, RestMeridian, curve
 from vsb.engine.shell.modes import ModeBasis
-from vsb.engine.shell.shell import curve
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.compiled import njit
 

@@ -9,9 +9,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legvander
 
-from vsb.engine.shell.meridian import ArcMeridian, RestMeridian
+from vsb.engine.shell.meridian import (
+    ArcMeridian,
+    Curve,
+    RestMeridian,
+    arc_chord,
+    gauss_rule,
+    length,
+    meridian_rule,
+    parts,
+)
 from vsb.engine.shell.modes import ModeBasis
-from vsb.engine.shell.shell import Curve, Shell, arc_chord, gauss_rule, length, meridian_rule, parts
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray
 

@@ -18,9 +18,8 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.engine.shell.material import Hookean, Material, with_moduli
+from vsb.engine.shell.material import NAMED, Hookean, Material, with_moduli
 from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid, through
-from vsb.engine.shell.named_materials import NAMED
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import (
@@ -33,7 +32,7 @@ from vsb.keys.quantities import (
     mass_or_draft,
     within,
 )
-from vsb.tools.bounded import LARGEST_STUDY, read_bounded
+from vsb.tools.files import LARGEST_STUDY, read_bounded
 
 Basis = Literal["paper", "membrane", "full"]
 

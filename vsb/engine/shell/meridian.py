@@ -19,8 +19,12 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import NamedTuple
+
+import numpy as np
+
+from vsb.tools.arrays import AnyArray, FloatArray
 
 SAMPLES = 400
 """Points of the meridian at which it is judged, beside eight for each of its terms."""
@@ -323,21 +327,21 @@ class ArcMeridian(ClosedMeridian):
         arc, x, z, tangent, found = 0.0, 0.0, 0.0, 0.0, []
         for length, curvature in zip(self.lengths, self.arc_curvatures, strict=True):
             found.append(ArcStart(curvature, arc, x, z, tangent))
-            across, down = arc_chord(curvature, tangent, length)
+            across, down = _arc_chord(curvature, tangent, length)
             arc, x, z, tangent = arc + length, x + across, z - down, tangent + curvature * length
         return tuple(start._replace(z=start.z - z / 2) for start in found)
 
     def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
         start = self.starts[bisect.bisect_right([complex(angle).real for angle in self.junctions], phi)]
         rate = self.length / math.pi
-        across, down = arc_chord(start.curvature, start.tangent, rate * phi - start.arc)
+        across, down = _arc_chord(start.curvature, start.tangent, rate * phi - start.arc)
         of = cmath if self.stepped else math
         tangent = start.tangent + start.curvature * (rate * phi - start.arc)
         dx, dz, bend = rate * of.cos(tangent), -rate * of.sin(tangent), rate * start.curvature
         return start.x + across, start.z - down, dx, dz, bend * dz, -bend * dx
 
 
-def arc_chord(curvature: float, tangent: float, length: float) -> tuple[float, float]:
+def _arc_chord(curvature: float, tangent: float, length: float) -> tuple[float, float]:
     """Return how far across and down an arc leads that begins with a tangent at an angle below the level [m]."""
     of = cmath if isinstance(curvature * length + tangent, complex) else math
     half = curvature * length / 2
@@ -560,3 +564,126 @@ def _spline(at: Sequence[float], values: Sequence[float], natural: bool) -> Call
         return linear + (curvature[i] * a**3 + curvature[i + 1] * b**3) / (6 * h)
 
     return value
+
+
+class Curve(NamedTuple):
+    """Radius and height of a meridian at some angles phi, and their derivatives by phi, each shape (point,) [m]."""
+
+    x: FloatArray
+    z: FloatArray
+    dx: FloatArray
+    dz: FloatArray
+
+
+def curve(meridian: ClosedMeridian, phi: FloatArray) -> Curve:
+    """Return a meridian at angles, shape (point,) [rad]; analytic in its numbers and in angles of a complex step."""
+    if isinstance(meridian, ArcMeridian):
+        return _on_arcs(meridian, phi)[0]
+    assert isinstance(meridian, RestMeridian)
+    (a, j), (b, k) = _numbered(meridian)
+    if np.iscomplexobj(phi):
+        (sin_j, cos_j), (sin_k, cos_k) = ((np.sin(np.outer(n, phi)), np.cos(np.outer(n, phi))) for n in (j, k))
+        return Curve(a @ sin_j, b @ cos_k, (j * a) @ cos_j, -(k * b) @ sin_k)
+    (_, x), (dx, _) = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi).swapaxes(0, 1)
+    (z, _), (_, fall) = _sums(np.array([b, k * b]), phi).swapaxes(0, 1)
+    return Curve(x, z, dx, -fall)
+
+
+def _on_arcs(meridian: ArcMeridian, phi: FloatArray) -> tuple[Curve, tuple[FloatArray, FloatArray]]:
+    """A meridian of arcs at angles, and its second derivatives."""
+    which = np.searchsorted(np.real(meridian.junctions), np.real(phi), side="right")
+    curvature, arc, x, z, tangent = np.array(meridian.starts)[which].T
+    rate = meridian.length / np.pi
+    along = rate * phi - arc
+    across, down = arc_chord(curvature, tangent, along)
+    dx, dz, bent = (
+        rate * np.cos(tangent + curvature * along),
+        -rate * np.sin(tangent + curvature * along),
+        rate * curvature,
+    )
+    return Curve(x + across, z - down, dx, dz), (bent * dz, -bent * dx)
+
+
+def arc_chord(curvature: FloatArray, tangent: FloatArray, arc: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far across and down arcs lead, of `vsb.engine.shell.meridian.ArcMeridian`, each shape (point,) [m]."""
+    half = curvature * arc / 2
+    straight = half == 0.0
+    chord = arc * np.where(straight, 1.0, np.sin(half) / np.where(straight, 1.0, half))
+    return chord * np.cos(tangent + half), chord * np.sin(tangent + half)
+
+
+def _sums(coefficients: AnyArray, phi: FloatArray) -> AnyArray:
+    """Sums c_k cos(k phi) and c_k sin(k phi) over k = 0, 1, ... of several series, shape (2, series, point).
+
+    With k = m w + r sum c_k exp(i k phi) is sum_m exp(i m w phi) sum_r c_mr exp(i r phi): two short tables of
+    exponentials and a product of matrices in place of one exponential for each term and point; long capsules have
+    hundreds of terms.
+    """
+    if np.iscomplexobj(coefficients):
+        return np.asarray(_sums(coefficients.real, phi) + 1j * _sums(coefficients.imag, phi))
+    series, terms = coefficients.shape
+    width = math.isqrt(terms - 1) + 1
+    rows = -(-terms // width)
+    padded = np.zeros((series, rows * width))
+    padded[:, :terms] = coefficients
+    near, far = (np.exp(1j * np.outer(step * np.arange(count), phi)) for step, count in ((1, width), (width, rows)))
+    inner = (padded.reshape(series * rows, width) @ near).reshape(series, rows, len(phi))
+    found = (inner * far).sum(axis=1)
+    return np.stack([found.real, found.imag])
+
+
+def length(dx: FloatArray, dz: FloatArray) -> FloatArray:
+    """Return the root of dx^2 + dz^2, analytic in a complex step of them."""
+    return np.sqrt(dx**2 + dz**2) if np.iscomplexobj(dx) or np.iscomplexobj(dz) else np.hypot(dx, dz)
+
+
+def bend(meridian: ClosedMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the second derivatives of radius and height by the angle, each shape (point,) [m]."""
+    if isinstance(meridian, ArcMeridian):
+        return _on_arcs(meridian, phi)[1]
+    assert isinstance(meridian, RestMeridian)
+    (a, j), (b, k) = _numbered(meridian)
+    return -(j**2 * a) @ np.sin(np.outer(j, phi)), -(k**2 * b) @ np.cos(np.outer(k, phi))
+
+
+def _numbered(meridian: RestMeridian) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Terms of radius and height, each with its number."""
+    a, b = np.array(meridian.radial), np.array(meridian.axial)
+    return (a, np.arange(1.0, len(a) + 1)), (b, np.arange(float(len(b))))
+
+
+@cache
+def gauss_rule(points: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of Gauss-Legendre quadrature on [-1, 1], each shape (points,), not to be written to."""
+    rule = np.polynomial.legendre.leggauss(points)
+    for values in rule:
+        values.setflags(write=False)
+    return rule
+
+
+FEWEST_ON_PART = 16
+"""Points of a quadrature on each part of a meridian with junctions, beside its share of them."""
+
+
+def parts(junctions: Sequence[float], start: float, end: float) -> list[tuple[float, float]]:
+    """Return the parts of a meridian between two angles that its junctions leave [rad]."""
+    inside = [phi for phi in junctions if np.real(start) < np.real(phi) < np.real(end)]
+    return list(itertools.pairwise((start, *inside, end)))
+
+
+def meridian_rule(junctions: Sequence[float], points: int) -> tuple[FloatArray, FloatArray]:
+    """Return angles and weights of dphi of a Gauss-Legendre rule in cos(phi) from pole to pole, each (point,) [rad].
+
+    On a meridian with junctions `points` are shared among the parts between them, `FEWEST_ON_PART` more on each.
+    """
+    if not junctions:
+        cos, weight = gauss_rule(points)
+        return np.arccos(cos), weight / np.sin(np.arccos(cos))
+    found = []
+    for a, b in parts(junctions, 0.0, math.pi):
+        node, weight = gauss_rule(FEWEST_ON_PART + math.ceil(points * np.real(b - a) / math.pi))
+        top, bottom = np.cos(a), np.cos(b)
+        phi = np.arccos((top + bottom) / 2 + (top - bottom) / 2 * node)
+        found.append((phi, (top - bottom) / 2 * weight / np.sin(phi)))
+    phis, weights = zip(*found, strict=True)
+    return np.concatenate(phis), np.concatenate(weights)

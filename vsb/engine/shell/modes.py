@@ -14,11 +14,19 @@ import numpy as np
 from scipy.linalg import eigh, svd
 from scipy.optimize import minimize_scalar
 
-from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block
 from vsb.engine.shell.device import Basis, Device
 from vsb.engine.shell.rings import AttachmentModes, RingModes
-from vsb.engine.shell.ritz import matrices, natural_modes, of_degrees, strains
-from vsb.engine.shell.shell import Shell, frequency_parameter, legendre
+from vsb.engine.shell.ritz import (
+    bending_block,
+    legendre,
+    mass_block,
+    matrices,
+    membrane_block,
+    natural_modes,
+    of_degrees,
+    strains,
+)
+from vsb.engine.shell.shell import Shell, frequency_parameter
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
 

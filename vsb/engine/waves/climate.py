@@ -4,19 +4,20 @@ Spectra are means over bands of frequency, as measured by buoys. Moments and ene
 IEC TS 62600-101 and 62600-100.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.records import impossible
 from vsb.engine.waves.seas import Sea
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
+from vsb.tools.words import LONGEST
 
 YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""
@@ -244,3 +245,62 @@ def is_doubt(note: str) -> bool:
 def climate_line(note: str) -> str:
     """Return the line `vsb check` prints of a note on a climate."""
     return f"{'doubt        climate: ' if is_doubt(note) else 'climate      '}{note}"
+
+
+HEIGHT = {
+    "hs", "hm0", "hsig", "h13", "h1/3", "significantwaveheight", "significantheight", "waveheight", "swh", "vhm0",
+    "wvht", "wavehs", "seasurfacewavesignificantheight",
+}  # fmt: skip
+
+
+PERIODS = {
+    "te": {
+        "te", "tm10", "tm-10", "tm-1,0", "tm-1.0", "t-10", "t-1,0", "energyperiod", "meanenergyperiod",
+        "waveenergyperiod", "mwp", "vtm10", "t0m1",
+        "seasurfacewavemeanperiodfromvariancespectraldensityinversefrequencymoment",
+    },
+    "t01": {
+        "t01", "tm01", "t0,1", "tm0,1", "mp1", "vtm01",
+        "seasurfacewavemeanperiodfromvariancespectraldensityfirstfrequencymoment",
+    },
+    "tz": {
+        "tz", "t02", "tm02", "t0,2", "tm0,2", "zerocrossingperiod", "zeroupcrossingperiod", "meanzerocrossingperiod",
+        "zeroupcrossingwaveperiod", "mp2", "vtm02", "apd", "wavetz", "seasurfacewavezeroupcrossingperiod",
+        "seasurfacewavemeanperiodfromvariancespectraldensitysecondfrequencymoment",
+    },
+    "tp": {
+        "tp", "peakperiod", "wavepeakperiod", "tpeak", "peakwaveperiod", "pp1d", "vtpk", "dpd", "wavetp",
+        "seasurfacewaveperiodatvariancespectraldensitymaximum",
+    },
+}  # fmt: skip
+"""Names of the energy period, of m_0/m_1, of the zero-crossing and the peak period; the first is the most certain.
+
+Those of NDBC, CDIP, ERA5, Copernicus and the CF conventions among them.
+"""
+
+
+OCCURRENCE = {
+    "occurrence", "occurrences", "percent", "percentage", "%", "hours", "h", "count", "counts", "frequency", "share",
+    "probability", "n", "number", "hits", "occ", "freq",
+}  # fmt: skip
+
+
+def kind_of(name: str) -> str | None:
+    """Return which quantity a name of a column is: hs, te, tp, tz, t01 or None."""
+    plain = bare_name(name)
+    return next((kind for kind, spelled in {"hs": HEIGHT, **PERIODS}.items() if plain in spelled), None)
+
+
+def is_series(names: Iterable[str]) -> bool:
+    """Return whether names of columns or variables are those of a series: a height and a period, no occurrence."""
+    names = list(names)
+    kinds = {kind_of(name) for name in names}
+    counted = any(bare_name(name) in OCCURRENCE or name.strip(" ()[]").lower() in OCCURRENCE for name in names)
+    return "hs" in kinds and bool(kinds & {*PERIODS}) and not counted
+
+
+def bare_name(name: str) -> str:
+    """A name without unit, case, blanks, underscores and arrows; long text as it is."""
+    if len(name) > LONGEST:
+        return name
+    return re.sub(r"[\s_{}$:\u2190-\u2193]|[\[(].*?[\])]", "", name).lower()

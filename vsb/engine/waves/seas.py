@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import (
     Irregular,
     RecordedSea,
@@ -16,7 +15,7 @@ from vsb.engine.waves.kinds import (
     Wave,
     WhiteNoise,
 )
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, group_velocity
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 
 PARTS = 36

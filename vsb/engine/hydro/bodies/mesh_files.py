@@ -25,7 +25,7 @@ from vsb.engine.hydro.bodies.mesh import check_finite, text_of, triangulated
 from vsb.engine.hydro.panels.rings import read_panels
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray, IntArray
-from vsb.tools.bounded import bounded_reading, reason_of
+from vsb.tools.files import bounded_reading, reason_of
 from vsb.tools.units import parsed_unit
 
 PANEL_FILES = {".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl"}

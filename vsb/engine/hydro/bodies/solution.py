@@ -51,8 +51,7 @@ from vsb.engine.hydro.panel_solver import panel_solver
 from vsb.engine.hydro.panels import rings as bem
 from vsb.engine.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, joined, on_grid
 from vsb.engine.hydro.variables import PAIR
-from vsb.engine.waves.dispersion import wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.quantities import Section, canonical, content_id
 from vsb.keys.reading import read_yaml, validated

@@ -14,8 +14,7 @@ from vsb.engine.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.engine.hydro.bodies.mesh import joined, solid_angle_share
 from vsb.engine.hydro.panels.rings import influence, panel_mesh
 from vsb.engine.hydro.variables import PAIR
-from vsb.engine.waves.dispersion import haskind_factor, wavenumber
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, haskind_factor, wavenumber
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _WAVE = ("omega", "wave_direction", "influenced_dof")

@@ -32,7 +32,7 @@ from vsb.engine.hydro.bodies.solver import BodyProblem
 from vsb.engine.hydro.database import ESTIMATE, Check, Rule, with_excitation
 from vsb.engine.hydro.sweep import apart, joined
 from vsb.engine.hydro.variables import PAIR
-from vsb.engine.waves.dispersion import haskind_factor, wavenumber
+from vsb.engine.waves.water import haskind_factor, wavenumber
 from vsb.tools.arrays import FloatArray
 
 RULES = {

@@ -31,7 +31,7 @@ from vsb.engine.hydro.formats import points
 from vsb.engine.hydro.formats.common import rotation_centre, volume_of
 from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, motion_of, of_bodies
 from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.waves.dispersion import haskind_factor, wavenumber
+from vsb.engine.waves.water import haskind_factor, wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 

@@ -21,7 +21,7 @@ from vsb.engine.hydro.labels import RIGID, ROTATIONS, is_rigid, of_bodies
 from vsb.engine.hydro.variables import PAIR
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import bounded_reading, reason_of
+from vsb.tools.files import bounded_reading, reason_of
 from vsb.tools.variables import VARIABLES, check_finite, described
 
 GENERALIZED = 7

@@ -14,8 +14,7 @@ from vsb.engine.hydro.formats.checks import coefficient_checks
 from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.engine.waves.water import Water
 from vsb.errors import DatabaseError
-from vsb.tools.bounded import open_regular, reason_of
-from vsb.tools.files import write_text
+from vsb.tools.files import open_regular, reason_of, write_text
 from vsb.tools.stamps import check_output
 
 FORMATS = ("wamit", "bemio")

@@ -17,7 +17,7 @@ from vsb.engine.hydro.formats.common import WATER, assembled, body_names, point_
 from vsb.engine.hydro.labels import RIGID
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import read_bounded
+from vsb.tools.files import read_bounded
 
 CAL, RESULTS, MESH = "Nemoh.cal", ("Results", "results"), ("Mesh", "mesh")
 _NEEDED = "a folder of NEMOH with Nemoh.cal, Results/RadiationCoefficients.tec and Results/ExcitationForce.tec"

@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 from vsb.engine.hydro.database import Check, Rule
 from vsb.engine.hydro.formats.common import point_of, rotation_centre, volume_of
 from vsb.engine.hydro.labels import RIGID, ROTATIONS, motion_of, of_bodies
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import wavenumber
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 RULES = {

@@ -39,7 +39,7 @@ from vsb.engine.hydro.formats.common import (
 )
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.bounded import read_bounded
+from vsb.tools.files import read_bounded
 
 _FORCES = {"excitation_force": ".3", "Froude_Krylov_force": ".3fk", "diffraction_force": ".3sc"}
 _HASKIND = ".2"  # the excitation by Haskind's relation

@@ -26,7 +26,7 @@ from vsb.engine.hydro.database import solved_dataset
 from vsb.engine.hydro.dofs import Displacement, azimuthal_order, normal_velocities, wave_around
 from vsb.engine.hydro.panel_solver import panel_solver
 from vsb.engine.hydro.sweep import IncidentWave
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import CHANGED, atomic_write

@@ -29,7 +29,7 @@ from scipy.linalg import block_diag
 from vsb.engine.hydro.dofs import normal_velocities
 from vsb.engine.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.shell.shell import Curve
+from vsb.engine.shell.meridian import Curve
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray
 

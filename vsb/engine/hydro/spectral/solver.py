@@ -29,7 +29,7 @@ from vsb.engine.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid
 from vsb.engine.hydro.variables import PAIR, RESOLUTION
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.orders import semi_normalisation
-from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.tools.arrays import ComplexArray, FloatArray
 
