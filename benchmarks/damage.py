@@ -20,10 +20,9 @@ import yaml
 from benchmarks import torture
 from benchmarks.measure import Outcome, tabulated
 from vsb.errors import VsbError
-from vsb.pipeline.tasks import products
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
-from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.files import read_groups, write_text
 from vsb.tools.shipped import HOME
@@ -62,7 +61,7 @@ def finish() -> StudyPlan:
     """Put the study and its results into the current folder; sound ones, or every damage to them would be reported."""
     write_text(STUDY, small_text(8.0, witness="none"))
     plan = StudyPlan(load(STUDY))
-    make(plan, products(plan))
+    make(plan, plan.products)
     verify(STUDY)
     return plan
 

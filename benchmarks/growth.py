@@ -22,9 +22,9 @@ from benchmarks.measure import CONFIG, Row, as_csv, on_one_core, run_python, say
 from benchmarks.time_domain import IRREGULAR, SEAS, varied
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import rigid_sphere
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import hydro_files
 from vsb.stages.simulate import run_simulate
-from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.files import write_text
 
@@ -43,7 +43,7 @@ def by_duration() -> Iterator[Row]:
             one = varied(study, "VSWEC0", SEAS[IRREGULAR], {"model": "body_exact", "omega_max": 12.0}, duration)
             one = one.model_copy(update={"simulation": one.simulation.model_copy(update={"tolerance": tolerance})})
             paths, out = hydro_files(one, folder), str(Path(folder, "run.nc"))
-            spec = StudyPlan(one).simulation("VSWEC0", one.waves[0])
+            spec = StudyPlan(one).simulation("VSWEC0", one.waves[0]).spec
             seconds, _ = timed(lambda: run_simulate(spec, out, paths["database"], paths["radiation"]))
             with xr.open_dataset(out) as record:
                 return seconds, float(record.energy.sel(term="pto")[-1])

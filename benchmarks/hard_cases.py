@@ -38,8 +38,8 @@ from vsb.errors import ConfigError, VsbError
 from vsb.keys.reading import read_yaml
 from vsb.models.build import design_in_sea
 from vsb.models.rest import design_motions, reference_shell, study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import hydro_files
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
@@ -171,7 +171,7 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
     if case.wet_mode is not None:
         omega = natural_frequency(study, design, paths, case.wet_mode)
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
-    one = StudyPlan(study).simulation(design, study.waves[0])
+    one = StudyPlan(study).simulation(design, study.waves[0]).spec
     made = design_in_sea(one, paths)
     scene, rows = made.scene, made.held
     motion, _, method = simulate(system := System.of(scene), made.sea, one.simulation, made.spectrum)

@@ -33,8 +33,8 @@ from vsb.engine.waves.kinds import RegularWave
 from vsb.errors import ConfigError, VsbError
 from vsb.models.automatic import absorbed
 from vsb.models.build import DesignInSea, design_in_sea
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import hydro_files
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
@@ -157,7 +157,7 @@ def scene_of(study: Study, folder: str | Path) -> DesignInSea:
     """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
     (design,), (wave,) = study.designs, study.waves
     paths = hydro_files(study, folder)
-    one = StudyPlan(study).simulation(design, wave)
+    one = StudyPlan(study).simulation(design, wave).spec
     return design_in_sea(one, paths)
 
 

@@ -21,10 +21,9 @@ import xarray as xr
 import yaml
 
 from benchmarks.measure import Outcome, tabulated
-from vsb.pipeline.tasks import products
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import preview
 from vsb.stages.make import make
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.shipped import HOME
 
@@ -274,7 +273,7 @@ def run_stages(study: Study, plan: StudyPlan) -> str:
 def numbers(plan: StudyPlan) -> list[str]:
     """Return the products of a study that hold its numbers: no figures, page or meshes, which are made of them."""
     return [
-        path for path in products(plan) if "figures" not in Path(path).parts and not path.endswith((".html", ".vtu"))
+        path for path in plan.products if "figures" not in Path(path).parts and not path.endswith((".html", ".vtu"))
     ]
 
 

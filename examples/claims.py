@@ -40,11 +40,11 @@ from vsb.keys.reading import read_yaml
 from vsb.models.build import linear_design
 from vsb.models.floating_system import floating_system
 from vsb.models.mode_convergence import TAKE_OFFS, ModeConvergence
+from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan
+from vsb.pipeline.plans import planned
 from vsb.report.canvas import RIGID_STYLE, STYLES, grid_of_axes, legend_above
 from vsb.report.svg import drawn
 from vsb.stages.make import hydro_files, make
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
-from vsb.study.plans import planned
 from vsb.study.sections import Modes
 from vsb.study.study import Study, load, parse
 from vsb.tools.arrays import FloatArray
@@ -132,15 +132,15 @@ def shades(count: int) -> list[Any]:
 
 def response(study: Study, folder: Path) -> xr.Dataset:
     """Return the frequency response of a study, computed if it is not there yet."""
-    name = f"{study.study}_{StudyPlan(study).response_id}"  # several studies of one name differ in their content
+    name = f"{study.study}_{StudyPlan(study).response.id}"  # several studies of one name differ in their content
     return computed(StudyPlan(study.model_copy(update={"study": name}), root=str(folder)))
 
 
 def computed(plan: AnyPlan) -> xr.Dataset:
     """Return the frequency response of a plan."""
-    paths = list(plan.response_files.values())
+    paths = [plan.response.out]
     make(plan, paths)
-    return load_file(paths[0], expected=plan.response_id)
+    return load_file(paths[0], expected=plan.response.id)
 
 
 def raw_of(study: Study) -> dict[str, Any]:
@@ -254,7 +254,7 @@ def start_of_a_run(folder: Path) -> Claim:
     study = study_of([regular(4.0)], pto={"damping": 8000.0}, simulation={"initial_velocity": 0.0})
     files, time, absorbed = hydro_files(study, folder), np.linspace(0.0, 30.0, 3001), []
     for design in (RIGID, FLEXIBLE):
-        made = linear_design(StudyPlan(study).simulation(design, study.waves[0]), files)
+        made = linear_design(StudyPlan(study).simulation(design, study.waves[0]).spec, files)
         motion = propagate(made.system, time, made.scene.start(0.0, 0.0))
         speed = (motion.velocity @ made.scene.motions.T)[:, 0]
         absorbed.append(8000.0 * np.append(0.0, cumulative_trapezoid(speed**2, time)))
@@ -312,7 +312,7 @@ def matched_losses(study: Study, periods: FloatArray) -> FloatArray:
     """
     raw, water = raw_of(study), study.water
     waves = parse({**raw, "waves": [regular(period, 1.0) for period in periods.tolist()]}).waves
-    buoy = StudyPlan(study).ladder.buoy
+    buoy = StudyPlan(study).ladder.spec.buoy
     assert buoy is not None
     found = ModeConvergence(buoy, [sea(wave, study.hydro.omega_max, 0.0) for wave in waves])
     at = list(study.designs).index(FLEXIBLE), slice(None), TAKE_OFFS.index("matched")

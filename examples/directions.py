@@ -18,7 +18,7 @@ from examples import command
 from vsb.engine.waves.seas import sea
 from vsb.engine.waves.water import power_limit
 from vsb.models.mode_convergence import ModeConvergence
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
 from vsb.tools.stamps import check_table
@@ -56,7 +56,7 @@ def rows_of(shell: str) -> Iterator[tuple[object, ...]]:
     for port in PORTS:
         study = planar(*SHELLS[shell], port)
         water, seas = study.water, [sea(wave, study.hydro.omega_max, 0.0) for wave in study.waves]
-        buoy = StudyPlan(study).ladder.buoy
+        buoy = StudyPlan(study).ladder.spec.buoy
         assert buoy is not None
         found = ModeConvergence(buoy, seas)
         rigid, free = found.compared[-1][:, :, 1]

@@ -19,7 +19,7 @@ from examples import command
 from vsb.engine.integrators.harmonic_balance import steady_power
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.build import assumed_pressure_design
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text
 from vsb.tools.stamps import check_table
@@ -44,7 +44,7 @@ class Row(NamedTuple):
 
 def power_of(study: Study, design: str) -> Callable[[float], float]:
     """Return the steady mean power of a design as a function of its damper, zero if there is no steady state [W]."""
-    run = StudyPlan(study).simulation(design, study.waves[0])
+    run = StudyPlan(study).simulation(design, study.waves[0]).spec
 
     def power(damping: float) -> float:
         pto = run.pto.model_copy(update={"damping": damping})

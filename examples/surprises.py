@@ -21,9 +21,9 @@ from vsb.engine.waves.seas import sea
 from vsb.errors import ConfigError
 from vsb.models.build import linear_design
 from vsb.models.floating_system import floating_system
+from vsb.pipeline.graph import StudyPlan
 from vsb.results.ladder import ControlLevel, study_ladder
 from vsb.stages.make import hydro_files
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 
 Figures = dict[str, float]
@@ -65,7 +65,7 @@ class Ladder:
     def __init__(self, study: Study, folder: Path) -> None:
         """Compute all levels."""
         self.waves = [wave.label for wave in study.waves]
-        found = study_ladder(StudyPlan(study).ladder, hydro_files(study, folder)["database"])
+        found = study_ladder(StudyPlan(study).ladder.spec, hydro_files(study, folder)["database"])
         self.levels = {(level.design, level.wave, level.rung): level for level in found}
 
     def at(self, design: str, level: str, wave: int = 0) -> ControlLevel:
@@ -224,7 +224,7 @@ def latching(folder: Path) -> Figures:
     figures["optimal damper [N s/m]"], figures["its power [W]"] = heavy, best.power(RIGID, "best_damper")
     for name, damping in (("the optimal damper", heavy), ("a fifth of it", heavy / 5)):
         study = study_of([wave], pto={"damping": damping, "law": "latching"}, designs={RIGID: {"flexible": False}})
-        notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]), hydro_files(study, folder)).notes
+        notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]).spec, hydro_files(study, folder)).notes
         figures[f"latching with {name} [W]"] = notes["latching_power"]
     figures["matched [W]"] = best.power(RIGID, "matched")
     return figures

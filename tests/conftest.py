@@ -32,11 +32,11 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
 from vsb.keys.quantities import canonical
 from vsb.models.rest import reference_shell, study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.panels import mean_mesh
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import SpectralSpec
 from vsb.study.study import Study
 
@@ -67,7 +67,7 @@ def varied(study: Study, **changes) -> Study:
 
 def only_run(study: Study):
     """What is simulated of the only design of a study in its first sea."""
-    return StudyPlan(study).simulation(*study.designs, study.waves[0])
+    return StudyPlan(study).simulation(*study.designs, study.waves[0]).spec
 
 
 def springs(plant):

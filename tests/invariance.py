@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.pipeline.tasks import products
 from vsb.study import study as config
 
 SEED = config.load(Path(__file__).parent / "data" / "seed.yaml").model_dump(exclude_none=True)
@@ -99,12 +98,13 @@ MACHINE = ("seconds", "energy_residual", "constraint_drift")
 def datasets(plan):
     """Datasets of a plan by content; runs by design and number of the sea."""
     runs = {
-        f"{design} {i}": plan.trajectory_path(design, wave.label)
+        f"{design} {i}": plan.simulation(design, wave).out
         for design in plan.study.designs
         for i, wave in enumerate(plan.study.waves)
     }
     modes = f"{plan.folder}/modes.nc"  # of a shell
-    paths = plan.hydro_files | plan.response_files | ({"modes": modes} if modes in products(plan) else {}) | runs
+    response = {"response": plan.response.out} if plan.study.needs_bem else {}
+    paths = plan.hydro_files | response | ({"modes": modes} if modes in plan.products else {}) | runs
     return {name: xr.load_dataset(path) for name, path in paths.items()}
 
 

@@ -92,7 +92,7 @@ def test_imports_that_are_reserved_to_one_place():
 
 
 def test_parsing_the_workflow_imports_nothing_heavy():
-    code = f"import sys, vsb, vsb.study.study, vsb.stages.planning; print(*({HEAVY!r} & sys.modules.keys()))"
+    code = f"import sys, vsb, vsb.study.study, vsb.pipeline.plans; print(*({HEAVY!r} & sys.modules.keys()))"
     done = subprocess.run([sys.executable, "-c", code], cwd=HOME, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
 

@@ -17,8 +17,7 @@ from stages.test_members import planned, with_seas
 from vsb import __version__
 from vsb.cli import main, parser
 from vsb.keys.quantities import canonical
-from vsb.pipeline.tasks import tasks
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import load
 from vsb.tools.commands import commands
 from vsb.tools.stamps import check_product
@@ -163,13 +162,13 @@ def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys)
     formats = (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")
     for name, more, refused in (("small", {}, False), ("other", {"modes": {"degree": 3}}, True)):
         Path(f"{name}.yaml").write_text(yaml.safe_dump(SMALL | more))
-        stored = Path(StudyPlan(load(f"{name}.yaml")).database_path)
+        stored = Path(StudyPlan(load(f"{name}.yaml")).database.out)
         stored.parent.mkdir(parents=True, exist_ok=True)
-        stored.write_bytes((finished / SMALL_PLAN.database_path).read_bytes())
+        stored.write_bytes((finished / SMALL_PLAN.database.out).read_bytes())
         if refused:
             line = error_line(["export", f"{name}.yaml", "out"], capsys)
             assert line.startswith(f"{stored}: ")
-            assert re.search(rf"{Path(SMALL_PLAN.database_path).stem}.*needs .*{stored.stem}", line)
+            assert re.search(rf"{Path(SMALL_PLAN.database.out).stem}.*needs .*{stored.stem}", line)
         else:
             for source, stem in ((f"{name}.yaml", "small"), (str(stored), stored.stem)):
                 assert main(["export", source, "out"]) == 0
@@ -238,7 +237,7 @@ def test_no_output_takes_the_place_of_an_input_a_study_a_product_or_a_file_of_th
     )
     before = {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()}
     run = next(iter(Path("results/small/trajectories").iterdir()))
-    arguments = [one.format(database=Path(SMALL_PLAN.database_path).stem, run=run) for one in arguments]
+    arguments = [one.format(database=Path(SMALL_PLAN.database.out).stem, run=run) for one in arguments]
     if lost is None:
         assert main(arguments) == 0
     else:
@@ -297,7 +296,7 @@ def test_an_output_replaces_its_own_kind_only(small, tmp_path, monkeypatch, caps
 def test_a_rule_replaces_its_own_products_only(workplace, capsys, monkeypatch):
     """Called by hand it replaced a study, and any other file."""
     Path("small.yaml").write_text(yaml.safe_dump(SMALL))
-    every = {task.stage: task for task in tasks(StudyPlan(load("small.yaml")))}
+    every = {task.stage: task for task in StudyPlan(load("small.yaml")).tasks}
 
     def given_paths(stage, out, makes, **files):
         task = replace(every[stage], files={"out": out, **files}, makes=makes)

@@ -24,10 +24,10 @@ from vsb.engine.hydro.bodies.solution import read_config
 from vsb.engine.hydro.panels.mesh import revolved
 from vsb.engine.waves.scatter import read_scatter
 from vsb.keys.schema import dotted, schema_of
-from vsb.stages import planning
+from vsb.pipeline import plans as planning
+from vsb.pipeline.plans import plan_of
 from vsb.stages.body_preview import check
 from vsb.study.body import BodyStudy, load_body
-from vsb.study.plans import plan_of
 from vsb.study.study import Study, load
 from vsb.tools.commands import commands, long_options
 

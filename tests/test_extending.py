@@ -38,7 +38,7 @@ from vsb.keys.meanings import UNITS
 from vsb.keys.quantities import canonical, content_id
 from vsb.models.rest import study_basis
 from vsb.models.take_off import FORCES, with_take_off
-from vsb.pipeline.tasks import STAGES, Stage, Task
+from vsb.pipeline.graph import STAGES, Stage, Task
 from vsb.report.answer import damping_in_words
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
 from vsb.stages.stage import run_task, specification

@@ -15,15 +15,15 @@ from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.quantities import Section
 from vsb.keys.reading import nearest
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.jobs import RULES
+from vsb.pipeline.plans import plan_of, with_degree
 from vsb.stages.check import summary
 from vsb.stages.init import init, init_body, init_campaign, init_design
-from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import run_job
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.commands import long_options
 
@@ -132,7 +132,7 @@ def export(args: argparse.Namespace) -> int:
     plan = plan_of(args.config)
     if isinstance(plan, CampaignPlan | DesignPlan):
         raise ConfigError(f"{args.config}: received a {plan.KIND}, needs a study, or one database file")
-    stored = Path(plan.database_path)
+    stored = Path(plan.database.out)
     inputs = [*_inputs(args), stored]
     print(*exported(stored, args.folder, plan.name, stored.stem, inputs), sep="\n")
     return 0

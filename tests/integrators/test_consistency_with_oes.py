@@ -26,7 +26,7 @@ from vsb.engine.motion.system import System
 from vsb.engine.shell.deformed import rigid_sphere
 from vsb.engine.waves.seas import NO_WAVES
 from vsb.models.rest import reference_shell
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 
 RADIUS, MASS, DENSITY, GRAVITY = 5.0, 261.8e3, 1000.0, 9.81
 WEIGHT = DENSITY * GRAVITY

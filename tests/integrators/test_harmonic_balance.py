@@ -23,8 +23,8 @@ from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.rest import design_motions, reference_shell, study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 
 OMEGA = 2 * np.pi / 2.5
 STATED, INFERRED = {"pressure": 1800.0}, {"pressure": 360.0}

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id, result_id, within
+from vsb.pipeline.graph import StudyPlan
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 
 
 def changed(path, value):

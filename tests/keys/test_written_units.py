@@ -13,11 +13,11 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import in_si, validated
 from vsb.keys.schema import unit_of
+from vsb.pipeline.graph import StudyPlan
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study
 from vsb.study.unlikely import unlikely_units
 from vsb.tools.shipped import HOME
@@ -62,7 +62,7 @@ def test_ids_are_those_of_the_numbers_in_si():
     given["pto"] = {"damping": "8 kN s/m"}
     given["simulation"]["duration"] = "1 min"
     assert canonical(config.parse(given)) == canonical(config.parse(raw))
-    assert StudyPlan(config.parse(given)).database_path == StudyPlan(config.parse(raw)).database_path
+    assert StudyPlan(config.parse(given)).database.out == StudyPlan(config.parse(raw)).database.out
 
 
 @pytest.mark.parametrize(

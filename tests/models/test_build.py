@@ -12,12 +12,12 @@ from vsb.errors import DatabaseError
 from vsb.models.build import SCENES, Memory, check_followed
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import design_motions
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 
 
 def built(plan, design, **changes):
     study = varied(plan.study, **changes)
-    one = StudyPlan(study).simulation(design, study.waves[0])
+    one = StudyPlan(study).simulation(design, study.waves[0]).spec
     return SCENES[one.hydro.model](one, dict(plan.hydro_files))
 
 
@@ -25,7 +25,7 @@ def built(plan, design, **changes):
 @pytest.mark.parametrize("model", ["linear", "body_exact"])
 def test_scene_has_the_motions_and_the_sea_of_its_design(small, design, model):
     found = built(small, design, hydro={"model": model})
-    motions = floating_system(small.study, small.database_path).motions
+    motions = floating_system(small.study, small.database.out).motions
     np.testing.assert_array_equal(found.scene.motions, motions[design])
     assert found.scene.flexible == small.study.designs[design].flexible
     assert found.scene.linear["pto"].damping[0, 0] == small.study.pto.damping

@@ -18,10 +18,9 @@ from vsb.models.drag import LINEARISED
 from vsb.models.floating_system import floating_system, port_in_seas, study_sea
 from vsb.models.rest import check_moored, check_stable, check_upright, reference_shell
 from vsb.models.viability import viability
-from vsb.pipeline.tasks import tasks
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import make
 from vsb.stages.stage import run_task
-from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_data
 
@@ -47,7 +46,7 @@ def study_with(**changes):
 def made(study, folder, stages=HYDRO):
     """The plan of a study of which some stages were run."""
     plan = StudyPlan(study, root=str(folder))
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage in stages and not all(Path(path).exists() for path in task.makes):
             run_task(task)
     return plan
@@ -81,7 +80,7 @@ def heaving(folder):
 
 def responses(*plans):
     """Responses at the frequencies they share: beside its own resonances each has more."""
-    found = [load_data(plan.response_files["response"]) for plan in plans]
+    found = [load_data(plan.response.out) for plan in plans]
     shared = np.intersect1d(*(one.omega for one in found))
     assert len(shared) > 100
     return [one.sel(omega=shared) for one in found]
@@ -96,7 +95,7 @@ def test_take_off_on_heave_is_decoupled_from_other_orders(finished, heaving):
     np.testing.assert_allclose(both.rao.sel(dof=alone.dof), alone.rao, atol=1e-11)
     assert not both.attrs.get("limit")
     for design in RAW["designs"]:
-        runs = [load_data(plan.trajectory_path(design, "regular_A0.1_T3")) for plan in (finished, heaving)]
+        runs = [load_data(f"{plan.folder}/trajectories/{design}-regular_A0.1_T3.nc") for plan in (finished, heaving)]
         np.testing.assert_allclose(*(run.position.sel(dof="Heave") for run in runs), atol=1e-6)  # memories fitted apart
         np.testing.assert_allclose(*(run.attrs["steady_power"] for run in runs), rtol=1e-6)
         assert runs[0].attrs["energy_residual"] < 1e-9
@@ -123,7 +122,7 @@ def test_checks_and_report_include_surge_and_pitch(finished):
 
 
 def test_database_has_pitch_stiffness_and_mooring(solved):
-    ds = load_database(solved.database_path, Path(solved.database_path).stem)
+    ds = load_database(solved.database.out, Path(solved.database.out).stem)
     pitch, surge = ({"influenced_dof": name, "radiating_dof": name} for name in ("Pitch", "Surge"))
     mass = RAW["device"]["mass"]
     assert ds.hydrostatic_stiffness.sel(pitch).item() == pytest.approx(mass * 9.81 * 0.6, rel=1e-10)
@@ -197,7 +196,7 @@ PORTS = {
 def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit):
     """Without structural damping a port of one order absorbs all of it."""
     plan = made(study_with(study="port", pto={"port": port}), folder, (*HYDRO, "response"))
-    ds = load_data(plan.response_files["response"])
+    ds = load_data(plan.response.out)
     sharp = [power_limit(w, np.inf, RAW["water"]["density"], 9.81) for w in ds.omega.values]
     np.testing.assert_allclose(ds.power_limit, limit * np.array(sharp), rtol=1e-12)
     assert ds.attrs.get("limit") == (None if limit == 1 else f"{limit} λ/2π")
@@ -205,7 +204,7 @@ def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit)
     assert (share < 1 + 2e-4).all()
     if limit < 3:
         np.testing.assert_allclose(share[20:], 1.0, rtol=2e-4)
-    Path(plan.response_files["response"]).unlink()
+    Path(plan.response.out).unlink()
 
 
 @pytest.mark.parametrize(
@@ -224,7 +223,7 @@ def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     assert residual(energy) < 1e-9
     last = motion.time >= 90.0 - 1e-9
     mean = np.polyfit(motion.time[last], energy["pto"][last], 1)[0]
-    seen = floating_system(study, plan.database_path).ports(np.array([2 * np.pi / 3]))["VSWEC"]
+    seen = floating_system(study, plan.database.out).ports(np.array([2 * np.pi / 3]))["VSWEC"]
     power = seen.power(6000.0)[0] * 0.1**2
     assert mean == pytest.approx(power, rel=5e-3)
 
@@ -252,7 +251,7 @@ def free_solved(folder):
 
 def in_waves(plan, direction, name="rao"):
     """Part of the response of the free shell in waves of a direction [degrees]."""
-    ds = load_data(plan.response_files["response"]).sel(design="VSWEC")
+    ds = load_data(plan.response.out).sel(design="VSWEC")
     return ds[name].sel(wave_direction=np.deg2rad(direction), method="nearest")
 
 
@@ -277,7 +276,7 @@ def test_powers_of_the_free_buoy_agree_in_time_and_frequency(free):
     assert len(agreed) == 2 * len(RAW["designs"])
     assert max(check["value"] for check in agreed) < 5e-3
     assert all(check["verdict"] == "ok" for check in checks if check["name"] in ("energy_residual", "power_limit"))
-    rows = [load_data(free.trajectory_path("FSB", wave.label)) for wave in free.study.waves]
+    rows = [load_data(free.simulation("FSB", wave).out) for wave in free.study.waves]
     oblique, along = (row.attrs["steady_power"] for row in rows)
     assert oblique != pytest.approx(along, rel=3e-3)
     assert rows[0].attrs["tuned_damping"] == rows[1].attrs["tuned_damping"], "one damper for both"
@@ -286,7 +285,7 @@ def test_powers_of_the_free_buoy_agree_in_time_and_frequency(free):
 
 
 def test_yaw_has_inertia_but_moves_no_water(free_solved):
-    ds = load_database(free_solved.database_path, Path(free_solved.database_path).stem)
+    ds = load_database(free_solved.database.out, Path(free_solved.database.out).stem)
     yaw = ds.sel(influenced_dof="Yaw", radiating_dof="Yaw")
     shell = 4 * np.pi * 2.0**2 * 0.01 * 2700.0
     assert yaw.inertia_matrix.item() == pytest.approx(2 / 3 * shell * 2.0**2 + 7e3, rel=1e-12)
@@ -342,7 +341,7 @@ def test_drag_rotates_with_the_waves(folder):
         **FREE, drag=DRAG | ASIDE, pto={"port": "heave", "damping": 9000.0}, waves=[SWELL | {"direction": 90.0}]
     )
     plan = made(along, folder)
-    runs = [StudyPlan(study, root=str(folder)).simulation("FSB", study.waves[0]) for study in (along, across)]
+    runs = [StudyPlan(study, root=str(folder)).simulation("FSB", study.waves[0]).spec for study in (along, across)]
     x, y = (linear_design(run, plan.hydro_files) for run in runs)
     surge, sway, heave, roll, pitch, yaw = x.notes["drag_damping"]
     assert sway == roll == yaw == 0.0
@@ -361,7 +360,7 @@ def test_spread_sea_moves_a_surging_port_by_the_cosine_of_each_direction(folder)
     waves = [{key: value for key, value in spread(4).items() if key != "spreading"}, spread(4), spread(1e4)]
     for port, power in (("surge", lambda angle: np.cos(angle) ** 2), ("heave", np.ones_like)):
         study = study_with(waves=waves, pto={"damping": 1.9e4, "port": port})
-        floating = floating_system(study, made(study, folder).database_path)
+        floating = floating_system(study, made(study, folder).database.out)
         seas = [(wave, study_sea(study, wave, floating.linear.database)) for wave in study.waves]
         found = port_in_seas(floating, "FSB", seas)
         squares = [np.abs(found.port.velocity[place]) ** 2 for place in found.places]

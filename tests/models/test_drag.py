@@ -11,9 +11,9 @@ from vsb.engine.integrators.simulate import suited
 from vsb.engine.waves.water import Water, wavenumber
 from vsb.models.build import TUNED, body_exact_design, linear_design
 from vsb.models.drag import LINEARISED, coefficients, flow
+from vsb.pipeline.graph import StudyPlan
 from vsb.results.ladder import CAUSAL, SAME_FORCE, study_ladder
 from vsb.study.drag import Drag
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
 WAVE = {"kind": "regular", "amplitude": 0.5, "period": 4.0}
@@ -30,7 +30,7 @@ def study_of(small, design="VSWEC", drag=PLATE, wave=WAVE, **sections):
 def run_of(study):
     """The specification of the run of a study of one design in one wave."""
     (design,), (wave,) = study.designs, study.waves
-    return StudyPlan(study).simulation(design, wave)
+    return StudyPlan(study).simulation(design, wave).spec
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
@@ -81,7 +81,7 @@ def test_control_levels_are_ordered_beside_drag(small):
     sea = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "gamma": 3.3, "seed": 1}
     data = small.study.model_dump() | {"waves": [WAVE, sea], "designs": {"VSWEC": {}}}
     free, dragged = (
-        study_ladder(StudyPlan(parse(data | extra)).ladder, small.database_path) for extra in ({}, {"drag": PLATE})
+        study_ladder(StudyPlan(parse(data | extra)).ladder.spec, small.database.out) for extra in ({}, {"drag": PLATE})
     )
     of_linear_water = (SAME_FORCE, CAUSAL)  # beside drag a row says why it has no power
     free, dragged = ([r for r in some if r.rung not in of_linear_water] for some in (free, dragged))

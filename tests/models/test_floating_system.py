@@ -145,13 +145,13 @@ def general_database(finished, tmp_path):
 
     from vsb.engine.hydro.formats.exchange import read_source
     from vsb.keys.quantities import content_id
+    from vsb.pipeline.graph import plan_for
     from vsb.stages.coefficients import store
-    from vsb.study.plan import plan_for
 
     own = study("heave")
-    spec = plan_for(own).database
+    spec = plan_for(own).database.spec
     path = tmp_path / "db" / f"{content_id(spec)}.nc"
-    store(spec, read_source("database", str(finished / SMALL_PLAN.database_path), own.water), str(path))
+    store(spec, read_source("database", str(finished / SMALL_PLAN.database.out), own.water), str(path))
     return str(path)
 
 
@@ -159,11 +159,11 @@ def general_database(finished, tmp_path):
 def test_gas_is_a_chamber_for_a_take_off_of_the_volume(small, tmp_path, port, chamber):
     """C = V/(kappa p) of the sphere; elsewhere the gas stiffens the shell."""
     study = varied(small.study, device={"gas": {"adiabatic_index": 1.4}}, pto={"port": port})
-    gas, path = reference_shell(study).stiffness["gas"], tmp_path / Path(small.database_path).name
-    files.save(files.load(small.database_path).assign(gas_stiffness=(PAIR, gas)), path)
+    gas, path = reference_shell(study).stiffness["gas"], tmp_path / Path(small.database.out).name
+    files.save(files.load(small.database.out).assign(gas_stiffness=(PAIR, gas)), path)
     buoy = floating_system(study, str(path)).linear
     assert buoy.chamber == pytest.approx(chamber, rel=1e-6)
-    vented = floating_system(small.study, small.database_path).linear
+    vented = floating_system(small.study, small.database.out).linear
     held = gas if port == "heave" else 0.0 * gas
     assert buoy.stiffness == pytest.approx(vented.stiffness + held, rel=1e-12, abs=1e-6)
 

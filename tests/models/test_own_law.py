@@ -14,9 +14,9 @@ from vsb.engine.motion.forces import PortForce
 from vsb.engine.motion.take_off import Pto
 from vsb.errors import ConfigError
 from vsb.models.build import design_in_sea
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.preview import check
 from vsb.stages.simulate import run_simulate
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 from vsb.tools.files import load
 
@@ -61,7 +61,7 @@ def test_name_version_and_parameters_go_into_the_id(install):
     first = study()
     install("1.1")
     second, other = study(), study(parameters={"coefficient": 1.0, "exponent": 2.0, "ramp": 5.0})
-    ids = {StudyPlan(one).trajectory_id("FSB", one.waves[0]) for one in (first, second, other)}
+    ids = {StudyPlan(one).simulation("FSB", one.waves[0]).id for one in (first, second, other)}
     assert len(ids) == 3
     assert (first.pto.distribution, second.pto.distribution) == ("my-take-off 1.0", "my-take-off 1.1")
     assert parse(first.model_dump()).pto == first.pto  # results of before are still read

@@ -22,8 +22,8 @@ from vsb.models.rest import (
     seen_by_take_off,
     study_basis,
 )
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.preview import check
-from vsb.study.plan import StudyPlan
 
 RHO, G = 1025.0, 9.81
 

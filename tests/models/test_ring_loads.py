@@ -19,11 +19,11 @@ from vsb.models.floating_system import floating_system
 from vsb.models.mode_convergence import ModeConvergence
 from vsb.models.rest import design_motions, reference_shell
 from vsb.models.ring_loads import has_attachment_modes, with_rings
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import with_degree
 from vsb.results.ledger import ring_width_checks
 from vsb.results.left_out import modes_left_out
 from vsb.stages.make import make
-from vsb.stages.planning import with_degree
-from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 
 CLAMPED = {"FSB": {"flexible": False}, "CLAMPED": {"clamp": 90}}
@@ -67,7 +67,7 @@ def test_degree_that_is_enough_leaves_out_no_more_than_the_tolerance(clamped):
 def test_interval_of_every_degree_holds_the_limit(seed, degree):
     """Of the gain, from the independent computation."""
     study = varied(seed, designs=CLAMPED, waves=regular(2.5, 5.0), modes={"basis": "full", "degree": degree})
-    buoy = StudyPlan(study).ladder.buoy
+    buoy = StudyPlan(study).ladder.spec.buoy
     gain = gains(searched(study).powers(study.modes))
     found = modes_left_out(buoy, [(wave, sea(wave, 12.0, 0.0)) for wave in study.waves])
     low, high = found.gain.sel(design="CLAMPED", take_off="best_damper").values.T
@@ -173,12 +173,12 @@ def test_rings_as_wide_as_the_wall_feel_degrees_to_radius_over_thickness(seed, t
         seed, modes={"basis": "full", "degree": 42}, designs=CLAMPED, waves=regular(2.5), hydro={"omega_max": 5.0}
     )
     plan = StudyPlan(study, root=str(tmp_path))
-    make(plan, [plan.database_path])
+    make(plan, [plan.database.out])
     omega = np.array([2 * np.pi / 2.5])
     for highest, expected in ((60, -61.14), (90, -61.27), (HIGHEST, -61.41)):
-        ports = floating_system(study, plan.database_path, highest).ports(omega)
+        ports = floating_system(study, plan.database.out, highest).ports(omega)
         rigid, clamped = (float(ports[design].best_power[0]) for design in CLAMPED)
         assert 100 * (clamped / rigid - 1) == pytest.approx(expected, abs=0.03)
-    (check,) = ring_width_checks(study, plan.database_path)
+    (check,) = ring_width_checks(study, plan.database.out)
     assert (check.design, check.verdict) == ("CLAMPED", "ok")
     assert 0.001 < check.value < 0.0025

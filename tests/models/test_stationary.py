@@ -12,7 +12,7 @@ from vsb.models.drag import dragged_port
 from vsb.models.floating_system import FloatingSystem, expected_sea
 from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.models.stationary import optimum_with_drag, stationary_ports
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import load
 
 PUBLISHED = {
@@ -79,7 +79,7 @@ def test_control_beside_drag_absorbs_what_the_drag_itself_leaves(example):
 
     def found(coefficient):
         own = varied(study, drag={"heave": {"coefficient": coefficient, "area": 12.5}})
-        system = StudyPlan(own).ladder.system
+        system = StudyPlan(own).ladder.spec.system
         return system, optimum_with_drag(system, floating, "FSB", wave, sea, own.pto, limit)
 
     _, still = found(1e-6)

@@ -19,8 +19,8 @@ from vsb.engine.shell.modes import mode_basis
 from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError, DatabaseError
 from vsb.models.rest import design_motions, reference_shell, study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.water import spectral_problem
-from vsb.study.plan import StudyPlan
 
 
 def solved(study):

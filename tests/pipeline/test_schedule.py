@@ -8,11 +8,11 @@ import yaml
 from conftest import EXAMPLE, varied
 from stages.test_members import with_seas
 
-from vsb.pipeline import costs, schedule
+from vsb.pipeline import costs
+from vsb.pipeline import jobs as schedule
+from vsb.pipeline.graph import StudyPlan, Task
 from vsb.pipeline.jobs import jobs
-from vsb.pipeline.tasks import Task, tasks
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import plan_of
+from vsb.pipeline.plans import plan_of
 from vsb.study.study import load, parse
 
 MEASURED = 20.0
@@ -56,7 +56,7 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
             vary = {"device.young_modulus": {"log": [1e7, 1e8, count]}}
             (tmp_path / "many.yaml").write_text(yaml.safe_dump({**given, "vary": vary}))
             plan = replace(plan_of(str(tmp_path / "many.yaml")), root=str(tmp_path / "results"))
-            found[shape, count] = sum(task.seconds for task in tasks(plan) if task.stage == "members")
+            found[shape, count] = sum(task.seconds for task in plan.tasks if task.stage == "members")
     assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.2, rel=0.1)
     assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.016)
 
@@ -69,9 +69,9 @@ def test_points_of_panels_cost_their_panels(tmp_path):
     (tmp_path / "shell.yaml").write_text(yaml.safe_dump(raw))
     (tmp_path / "one.yaml").write_text("{campaign: one, study: shell.yaml, climate: {spectra: sea.txt}}")
     plan = replace(plan_of(str(tmp_path / "one.yaml")), root=str(tmp_path / "results"))
-    (found,) = (task.seconds for task in tasks(plan) if task.stage == "members")
+    (found,) = (task.seconds for task in plan.tasks if task.stage == "members")
     study = StudyPlan(parse(raw), root=str(tmp_path / "results"))
-    panels = sum(task.seconds for task in tasks(study) if task.stage == "panels")
+    panels = sum(task.seconds for task in study.tasks if task.stage == "panels")
     assert panels > 1.0
     assert found == pytest.approx(panels, rel=0.2)
 

@@ -6,12 +6,11 @@ from dataclasses import replace
 import pytest
 from conftest import SEED, shipped, varied
 
+from vsb.pipeline.graph import StudyPlan, Task, due
 from vsb.pipeline.jobs import BATCH_SECONDS, jobs, rules
-from vsb.pipeline.tasks import Task, due, file_ids, products, tasks
+from vsb.pipeline.plans import plan_of
 from vsb.stages.stage import function_of
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import plan_of
 
 STUDIES = {
     "spectral": {},
@@ -27,15 +26,15 @@ def plan(request, tmp_path):
     return StudyPlan(varied(config.load(SEED), **STUDIES[request.param]), root=str(tmp_path))
 
 
-@pytest.mark.parametrize("steps", [tasks, jobs])
+@pytest.mark.parametrize("steps", [lambda plan: plan.tasks, jobs])
 def test_all_products_are_made_once_and_in_order(plan, steps):
     made = []
     for step in steps(plan):
         assert set(step.needs) <= set(made), step
         made += step.makes
     assert len(made) == len(set(made))
-    assert set(products(plan)) <= set(made)
-    assert set(made) - set(file_ids(plan)) <= {f"{plan.green_folder}.done"}
+    assert set(plan.products) <= set(made)
+    assert set(made) - set(plan.file_ids) <= {f"{plan.green.out}"}
 
 
 def test_jobs_of_a_campaign_make_all_its_products_in_order():
@@ -46,11 +45,11 @@ def test_jobs_of_a_campaign_make_all_its_products_in_order():
     for job in jobs(plan):
         assert set(job.needs) <= set(made), job.rule
         made += job.makes
-    assert set(products(plan)) <= set(made)
+    assert set(plan.products) <= set(made)
 
 
 def test_functions_of_stages_take_the_files_of_their_tasks(plan):
-    for task in tasks(plan):
+    for task in plan.tasks:
         arguments = [task.spec] if task.spec else []
         inspect.signature(function_of(task.stage)).bind(*arguments, **task.files)
 
@@ -73,7 +72,7 @@ def test_short_runs_share_jobs_of_ten_seconds_and_long_ones_have_their_own(tmp_p
     names = [rule.name for rule in rules(plan) if rule.stem == "simulate"]
     assert names == ([f"simulate_{i}" for i in range(1, len(runs) + 1)] if together else ["simulate"])
     made = {path.format(job=name) for rule in rules(plan) for name in rule.jobs for path in rule.makes}
-    assert set(products(plan)) <= made
+    assert set(plan.products) <= made
 
 
 @pytest.mark.parametrize(
@@ -100,17 +99,17 @@ def test_task_is_due_if_any_wanted_file_is_missing_or_stale(tmp_path, there, sta
 
 def test_tasks_depend_on_all_files_they_read(plan):
     """Files given one by one, and those in folders that are named by its specification."""
-    made = {path for task in tasks(plan) for path in task.makes}
-    for task in tasks(plan):
+    made = {path for task in plan.tasks for path in task.makes}
+    for task in plan.tasks:
         read = {path for path in task.files.values() if path in made} - set(task.makes)
         assert read <= set(task.needs), task.stage
-    needs = {task.stage: set(task.needs) for task in tasks(plan)}
-    drawn = {path for task in tasks(plan) if task.stage == "figures" for path in task.makes}
+    needs = {task.stage: set(task.needs) for task in plan.tasks}
+    drawn = {path for task in plan.tasks if task.stage == "figures" for path in task.makes}
     assert drawn <= needs["report"]
     if plan.study.needs_bem:
         assert needs["database"] == {plan.block_path(block) for block in plan.bem_blocks.values()}
         for stage in ("radiation", "response", "ladder"):
-            assert needs[stage] == {plan.database_path}, stage
-    for task in tasks(plan):
+            assert needs[stage] == {plan.database.out}, stage
+    for task in plan.tasks:
         if task.stage == "panels":
-            assert f"{plan.green_folder}.done" in task.needs
+            assert f"{plan.green.out}" in task.needs

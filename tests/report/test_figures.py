@@ -16,8 +16,8 @@ from vsb.report.figures import (
     directions,
     port_motion,
 )
-from vsb.study.figure_names import of_buoy
 from vsb.tools.variables import FORCE, MOMENT
+from vsb.study.figure_names import of_study
 
 OMEGA = np.linspace(0.1, 6.0, 600)
 NONE = xr.Dataset()
@@ -117,6 +117,6 @@ def test_displacement_and_velocity_of_the_port_within_the_window(body):
 
 def test_every_figure_of_a_study_has_a_caption(seed):
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}])
-    names = {*of_buoy(irregular), *of_buoy(seed.model_copy(update={"motion": "planar"}))}
+    names = {*of_study(irregular), *of_study(seed.model_copy(update={"motion": "planar"}))}
     assert {"spectra", "directions-regular_A0.179_T2.5"} < names
     assert {name.partition("-")[0] for name in names} <= captions(given=True, body=False).keys()

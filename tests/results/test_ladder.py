@@ -22,6 +22,7 @@ from vsb.engine.shell.deformed import rigid_sphere
 from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import FloatingSystem, PortInSeas
 from vsb.models.rest import design_motions, reference_shell, study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.results.ladder import (
     Given,
     as_csv,
@@ -34,7 +35,6 @@ from vsb.results.ladder import (
     study_ladder,
 )
 from vsb.stages.water import spectral_problem
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
 
@@ -171,7 +171,7 @@ def test_power_within_limits_is_ordered_with_expectations_whatever_the_run(small
         run = {"duration": duration, "window": [duration / 2, duration]}
         data = small.study.model_dump() | {"waves": [sea], "designs": {"VSWEC": {}}, "simulation": run}
         plan = StudyPlan(parse(data | {"pto": {"damping": 8e3, "force_limit": limit}}))
-        levels = {one.rung: one for one in study_ladder(plan.ladder, small.database_path)}
+        levels = {one.rung: one for one in study_ladder(plan.ladder.spec, small.database.out)}
         power[duration, limit] = levels["constrained"].power_mean
         matched = levels["matched"].power_mean
         assert levels["constrained"].limit_fraction == pytest.approx(power[duration, limit] / matched, rel=1e-12)
@@ -316,7 +316,7 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     energy, omega = 0.5, np.array([1.5])
     study = varied(seed, pto={"port": {"distributed": "membrane"}, "damping": None, "tuning": "each"})
     study = varied(study, pto={"energy_per_cycle": energy})
-    basis, spec = study_basis(study), StudyPlan(study).ladder
+    basis, spec = study_basis(study), StudyPlan(study).ladder.spec
     port = port_direction(study.pto.port, reference_shell(study).shape)
     motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
     floating = FloatingSystem(spectral_seed, motions, port)
@@ -339,7 +339,7 @@ def test_causal_control_lies_between_damper_and_known_future_at_its_force(small,
     data = small.study.model_dump() | {"waves": [sea, regular]}
     pto = {"tuning": "each", "force_limit": limit, "control": {"noise": 1e-6, "forecast": 0.5}}
     plan = StudyPlan(parse(data | {"pto": pto}))
-    levels = study_ladder(plan.ladder, small.database_path)
+    levels = study_ladder(plan.ladder.spec, small.database.out)
     assert {level.wave for level in levels if level.rung == "causal"} == {plan.study.waves[0].label}
     for design in data["designs"]:
         by = {level.rung: level for level in levels if level.design == design and level.wave != "regular_A0.1_T3"}
@@ -364,7 +364,7 @@ def test_several_ports_of_a_given_rms_force(small):
     both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
     plans = (StudyPlan(parse(data | {"pto": pto | {"control": {"force_rms": 300.0}}})) for pto in (both, {}))
     several, one = (
-        {(level.design, level.rung): level for level in study_ladder(plan.ladder, small.database_path)}
+        {(level.design, level.rung): level for level in study_ladder(plan.ladder.spec, small.database.out)}
         for plan in plans
     )
     for rung in ("damper_same_force", "causal"):
@@ -383,7 +383,7 @@ def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small)
     sea, drag = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"heave": {"coefficient": 2.0, "area": 12.0}}
     data = small.study.model_dump() | {"waves": [sea], "pto": {"tuning": "each"}, "drag": drag}
     data["designs"] = {"VSWEC": {}}
-    levels = study_ladder(StudyPlan(parse(data)).ladder, small.database_path)
+    levels = study_ladder(StudyPlan(parse(data)).ladder.spec, small.database.out)
     for design in data["designs"]:
         by = {level.rung: level for level in levels if level.design == design}
         assert by["damper_same_force"].power_mean == by["best_damper"].power_mean
@@ -396,7 +396,7 @@ def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small)
 def test_damper_is_the_causal_level_where_noise_hides_the_waves(small):
     data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 6.0}]}
     plan = StudyPlan(parse(data | {"pto": {"force_limit": 300.0, "control": {"noise": 0.5}}}))
-    by = {level.rung: level for level in study_ladder(plan.ladder, small.database_path) if level.design == "FSB"}
+    by = {level.rung: level for level in study_ladder(plan.ladder.spec, small.database.out) if level.design == "FSB"}
     assert by["causal"].power_mean == by["damper_same_force"].power_mean
     assert by["causal"].damping == by["damper_same_force"].damping > 0
     assert "damper" in by["causal"].note
@@ -407,7 +407,7 @@ def test_causal_control_of_several_ports_lies_between_damper_matrix_and_matched_
     data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 3.0}]}
     both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
     several, one = (
-        study_ladder(StudyPlan(parse(data | {"pto": pto})).ladder, small.database_path)
+        study_ladder(StudyPlan(parse(data | {"pto": pto})).ladder.spec, small.database.out)
         for pto in (both, {"tuning": "each"})
     )
     assert {level.rung for level in several} >= {"damper_same_force", "causal", "best_diagonal"}

@@ -18,11 +18,11 @@ from vsb.models.floating_system import floating_system, port_in_seas
 from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import reference_shell
+from vsb.pipeline.graph import StudyPlan
 from vsb.results.left_out import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
 from vsb.stages.campaign import swept_shape
 from vsb.stages.make import make
-from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 
 PERIODS = (2.5, 3.0, 3.06, 3.3, 5.0, 8.0)
@@ -43,13 +43,13 @@ SURGING = {
 
 def convergence(study, **options):
     return ModeConvergence(
-        StudyPlan(study).ladder.buoy, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options
+        StudyPlan(study).ladder.spec.buoy, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options
     )
 
 
 def left_out(study):
     return modes_left_out(
-        StudyPlan(study).ladder.buoy, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+        StudyPlan(study).ladder.spec.buoy, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
     )
 
 
@@ -213,7 +213,7 @@ def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, changes, t
     make(plan, plan.hydro_files.values())
     seas = [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
     floating = floating_system(study, plan.hydro_files["database"])
-    found = ModeConvergence(plan.ladder.buoy, [directed(*one) for one in seas]).powers(study.modes)
+    found = ModeConvergence(plan.ladder.spec.buoy, [directed(*one) for one in seas]).powers(study.modes)
     for i, design in enumerate(study.designs):
         port_seen, squares, _ = port_in_seas(floating, design, seas)
         assert found[i, :, 1] == pytest.approx(best_dampers(port_seen, squares).power, rel=2e-3)
@@ -253,10 +253,10 @@ def test_water_of_a_shape_and_a_database_give_a_clamped_design_the_same_port(see
         **changes,
     )
     plan, reference = StudyPlan(study, root=str(tmp_path)), reference_shell(study)
-    make(plan, [plan.database_path])
+    make(plan, [plan.database.out])
     shared = BuoyOfShape(study, reference, swept_shape(study, reference.basis, str(tmp_path)))
     omega = np.linspace(1.0, 4.0, 7)
-    at, stored = shared.at(omega), floating_system(study, plan.database_path).ports(omega)
+    at, stored = shared.at(omega), floating_system(study, plan.database.out).ports(omega)
     for design, port in at.ports().items():
         assert port.admittance == pytest.approx(stored[design].admittance, rel=1e-4), design
         assert port.velocity == pytest.approx(stored[design].velocity, rel=1e-4), design

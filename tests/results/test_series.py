@@ -10,9 +10,9 @@ from scipy.interpolate import CubicSpline
 
 import vsb
 from vsb.cli import main
+from vsb.pipeline.graph import StudyPlan
 from vsb.results.comparison import averaging_window
 from vsb.results.series import as_csv, time_series
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
 
@@ -80,7 +80,7 @@ def test_rotations_and_ports_have_their_units():
 
 @pytest.mark.parametrize("name", ["run.csv", "run.nc"])
 def test_command_writes_what_python_returns(results, name, tmp_path, capsys):
-    path = results.plan.trajectory_path("VSWEC", results.study.waves[0].label)
+    path = results.plan.simulation("VSWEC", results.study.waves[0]).out
     assert main(["series", path, str(tmp_path / name)]) == 0
     found = results.series("VSWEC")
     if name.endswith(".nc"):

@@ -21,7 +21,7 @@ from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import read_yaml, validated
-from vsb.study.plans import planned
+from vsb.pipeline.plans import planned
 from vsb.study.study import parse
 
 GIVEN = {

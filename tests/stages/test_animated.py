@@ -12,7 +12,7 @@ from vsb.tools.files import load
 
 @pytest.fixture
 def moved(small):
-    paths = {**small.hydro_files, **small.response_files, "modes": f"{small.folder}/modes.nc"}
+    paths = {**small.hydro_files, "response": small.response.out, "modes": f"{small.folder}/modes.nc"}
     inputs = Inputs(small.study, f"{small.folder}/trajectories", paths)
     return animated_study(inputs, words(small.study))
 
@@ -31,7 +31,7 @@ def test_animation_shows_the_motion_of_the_runs(small, moved):
     assert (sea["start"], sea["step"] * (sea["frames"] - 1)) == pytest.approx((end - shown, shown))
     assert sea["frames"] == int(PER_PERIOD * shown / period) + 2
     for design, frames in zip(study.designs, moved["seas"][0]["designs"], strict=True):
-        run = load(small.trajectory_path(design, study.drawn_waves[0].label))
+        run = load(small.simulation(design, study.drawn_waves[0]).out)
         assert frames["modes"] == (run.sizes["dof"] - 1 if study.designs[design].flexible else 0)
         sea = moved["seas"][0]
         time = sea["start"] + sea["step"] * np.arange(sea["frames"])

@@ -11,11 +11,10 @@ from stages.test_two_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
 
 from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.errors import ConfigError
-from vsb.pipeline.tasks import tasks
+from vsb.pipeline.plans import plan_of
 from vsb.stages.campaign_preview import summary
 from vsb.stages.check import check_plan
 from vsb.stages.stage import run_task
-from vsb.study.plans import plan_of
 from vsb.tools.files import load
 
 SEAS = (1.5, 8.0), (2.5, 9.0), (2.0, 11.0), (3.0, 7.0)
@@ -59,7 +58,7 @@ def found(tmp_path_factory):
     plan = year_of_rm3(place)
     with chdir(place):
         check_plan(plan)
-        for task in tasks(plan):
+        for task in plan.tasks:
             run_task(task)
         return plan, load(plan.data_path, expected=plan.identity), Path(plan.folder, "report.html").read_text()
 

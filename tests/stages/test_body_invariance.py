@@ -17,10 +17,9 @@ from invariance import (
 
 from vsb.engine.hydro.database import save_database
 from vsb.engine.hydro.formats.wamit import import_wamit
-from vsb.pipeline.tasks import products
+from vsb.pipeline.graph import BodyPlan
 from vsb.stages.make import make
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan
 
 BARGE = Path(__file__).parents[1] / "data" / "barge"
 FREE = ("state_matrix", "input_matrix", "output_matrix", "channel")
@@ -93,7 +92,7 @@ def results(tmp_path_factory):
         found = load_body(folder / "barge.yaml")
         plan = BodyPlan(found.study, root=str(folder / "results"), files=found.files)
         people = (".html", ".svg", ".csv")
-        make(plan, [path for path in products(plan) if not path.endswith(people) or path.endswith("ladder.csv")])
+        make(plan, [path for path in plan.products if not path.endswith(people) or path.endswith("ladder.csv")])
         return plan
 
     return run

@@ -22,11 +22,11 @@ from vsb.engine.hydro.panels.rings import quick_green_function
 from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.reading import validated
+from vsb.pipeline.graph import BodyPlan
+from vsb.pipeline.plans import plan_of
 from vsb.stages.body_preview import check, check_wave, drifting_motions, held_still, solved_lines, solving_seconds
 from vsb.stages.coefficients import finely_solved
 from vsb.study.body import BodyStudy, located
-from vsb.study.plan import BodyPlan
-from vsb.study.plans import plan_of
 from vsb.tools.shipped import HOME
 
 

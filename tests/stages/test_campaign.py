@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 from stages.test_members import gather, planned, with_seas
 
+from vsb.pipeline.campaign_plan import members
 from vsb.results.campaign import stacked
-from vsb.study.campaign_plan import members
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
 
@@ -37,10 +37,11 @@ def made_up(one):
 def plan(tmp_path):
     """A plan whose batches are there."""
     one = planned(with_seas(tmp_path, (1.0, 6.0)), VARIED)
-    for batch, spec in one.batches.items():
+    for batch, task in one.batches.items():
+        spec = task.spec
         held = members(spec.base, spec.points, spec.climate, spec.tuning)
         whole = stacked([made_up(each) for each in held], [each.id for each in held])
-        save(whole.assign_attrs(spec_id=batch), one.batch_path(batch))
+        save(whole.assign_attrs(spec_id=batch), task.out)
     return one
 
 
@@ -56,11 +57,11 @@ def test_every_member_stands_at_its_point(plan):
 
 def test_table_is_stamped_and_equals_the_data(plan):
     gather(plan)
-    assert faults({plan.table_path: plan.identity}, read_manifest(plan.manifest)) == []
-    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert faults({plan.campaign.makes[1]: plan.identity}, read_manifest(plan.manifest)) == []
+    rows = list(csv.DictReader(Path(plan.campaign.makes[1]).read_text().splitlines()))
     keys = ("device.young_modulus", "device.thickness", "design", "tuning")
     tunings = ["fixed", "one", "each"]
-    points = [[f"{value:.12g}" for value in one.values()] for one in plan.campaign.vary.points]
+    points = [[f"{value:.12g}" for value in one.values()] for one in plan.campaign.spec.vary.points]
     expected = [[*one, design, tuning] for one in points for design in ("FSB", "VSWEC") for tuning in tunings]
     assert [[row[key] for key in keys] for row in rows] == expected
     for row in rows:

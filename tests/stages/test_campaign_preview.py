@@ -57,7 +57,7 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
         "jobs         1 of 1 batches to do, 1 shapes of the water",
     ]
     Pack(Path(plan.folder, "members", f"other{SUFFIX}")).append(xr.Dataset(attrs={"spec_id": plan.members[2].id}))
-    (batch,) = map(Path, plan.batch_paths)
+    (batch,) = (Path(one.out) for one in plan.batches.values())
     batch.parent.mkdir(parents=True, exist_ok=True)
     batch.touch()
     assert summary(plan)[1:3] == [

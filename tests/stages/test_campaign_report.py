@@ -9,11 +9,11 @@ from results.test_member import year_of
 from results.test_year import climate
 from stages.test_members import gather, planned, with_seas
 
+from vsb.pipeline.campaign_plan import members
 from vsb.report.campaign_answer import closing_answer
 from vsb.report.html import with_minus_signs
 from vsb.results.campaign import stacked
 from vsb.stages import campaign_report
-from vsb.study.campaign_plan import members
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
 
@@ -26,10 +26,11 @@ def plan(tmp_path_factory):
         {"device.young_modulus": [1e6, 1e9]},
         name="soft",
     )
-    for batch, spec in one.batches.items():
+    for batch, task in one.batches.items():
+        spec = task.spec
         held = members(spec.base, spec.points, spec.climate, spec.tuning)
         found = [year_of(each.study, climate(8), spec.tuning) for each in held]
-        save(stacked(found, [each.id for each in held]).assign_attrs(spec_id=batch), one.batch_path(batch))
+        save(stacked(found, [each.id for each in held]).assign_attrs(spec_id=batch), task.out)
     gather(one)
     return one
 
@@ -37,8 +38,8 @@ def plan(tmp_path_factory):
 def answered(plan):
     """The files of an answer, as they are written."""
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run_campaign_report(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
-    paths = [f"{plan.folder}/report.html", *plan.figure_paths]
+    campaign_report.run_campaign_report(plan.campaign.spec, plan.data_path, plan.loaded.climate_path, plan.root, *files)
+    paths = [f"{plan.folder}/report.html", *plan.report.makes[1:]]
     return {path: Path(path).read_bytes() for path in paths}
 
 
@@ -67,7 +68,7 @@ def test_report_states_the_answer_of_its_data(plan, written):
     words = " ".join(re.sub("<[^>]+>", " ", page).split())
     data = load(plan.data_path, expected=plan.identity)
     assert with_minus_signs(closing_answer(data)) in words
-    for path in plan.figure_paths:
+    for path in plan.report.makes[1:]:
         assert Path(path).stem in page
 
 

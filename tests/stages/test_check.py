@@ -6,10 +6,10 @@ import pytest
 from conftest import EXAMPLE, varied
 
 from vsb.cli import main
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import plan_of
 from vsb.stages.check import sea_lines
 from vsb.stages.climate import read_climate
-from vsb.stages.planning import plan_of
-from vsb.study.plan import StudyPlan
 
 
 @pytest.mark.parametrize("name", ["buoy", "float", "float_year"])

@@ -16,9 +16,8 @@ from vsb.api.results import Results
 from vsb.cli import main
 from vsb.engine.hydro.formats.exchange import read_source
 from vsb.errors import DatabaseError
-from vsb.pipeline.tasks import file_ids
+from vsb.pipeline.plans import plan_of
 from vsb.stages.coefficients import judged
-from vsb.stages.planning import plan_of
 from vsb.study.body import load_body
 
 SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
@@ -28,7 +27,7 @@ def as_body(finished, **changes):
     """The small study with a body read from its database."""
     kept = {key: SMALL[key] for key in ("water", "pto", "simulation") if key in SMALL}
     designs = {"FSB": {"dofs": ["Heave"]}, "VSWEC": {"dofs": "all"}}
-    made = {"study": "general", "body": {"database": str(finished / SMALL_PLAN.database_path)}, "designs": designs}
+    made = {"study": "general", "body": {"database": str(finished / SMALL_PLAN.database.out)}, "designs": designs}
     waves = [*SMALL["waves"], {**SWELL, "direction": 0.0}]
     return {**made, "hydro": {"tolerance": 1e-3}, "waves": waves[:1], **kept, **changes}
 
@@ -93,14 +92,13 @@ def test_checks_of_a_body(both):
 
 def test_ids_depend_on_file_contents_not_paths(finished, general, tmp_path):
     """A copy of the file is the same body; a changed file is another one."""
-    source = finished / SMALL_PLAN.database_path
+    source = finished / SMALL_PLAN.database.out
     (tmp_path / "copy.nc").write_bytes(source.read_bytes())
     raw = as_body(finished, body={"database": "copy.nc"})
     (tmp_path / "copy.yaml").write_text(yaml.safe_dump(raw))
     copied = load_body(tmp_path / "copy.yaml").study
     assert (
-        file_ids(Results(copied).plan).keys()
-        == file_ids(Results(load_body(general / "general.yaml").study).plan).keys()
+        Results(copied).plan.file_ids.keys() == Results(load_body(general / "general.yaml").study).plan.file_ids.keys()
     )
     assert Results(copied).plan.identity == Results(load_body(general / "general.yaml").study).plan.identity
     (tmp_path / "copy.nc").write_bytes(source.read_bytes() + b" ")
@@ -108,7 +106,7 @@ def test_ids_depend_on_file_contents_not_paths(finished, general, tmp_path):
 
 
 def test_database_with_failed_checks_is_refused(finished, workplace, capsys):
-    with xr.open_dataset(finished / SMALL_PLAN.database_path) as ds:
+    with xr.open_dataset(finished / SMALL_PLAN.database.out) as ds:
         dull = ds.load().assign_attrs(quality=json.dumps([
             {"name": "symmetry", "value": 1.0, "limit": 0.02, "unit": "-", "verdict": "fail", "explanation": "even"}
         ]))  # fmt: skip
@@ -166,7 +164,7 @@ def test_conjugated_excitation_is_repaired_on_request(capsys):
     for name, repair in (("sound", []), ("turned", ["phases"])):
         plan = plan_of(of_ball(name, hydro={"repair": repair}))
         found = read_source("database", plan.files["database"], plan.study.water, 1.0)
-        bodies.append(judged(plan.database, found).database.excitation_force)
+        bodies.append(judged(plan.database.spec, found).database.excitation_force)
     np.testing.assert_array_equal(*bodies)
 
 

@@ -24,8 +24,9 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.problem import POWER, excesses, limit_parts
 from vsb.design.searched import Outcome, finer_of, problem_of
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.jobs import rules
-from vsb.pipeline.tasks import products, tasks
+from vsb.pipeline.plans import plan_of
 from vsb.report import design_page
 from vsb.report.design_answer import answer, fronts, where_it_gains
 from vsb.report.design_page import (
@@ -45,8 +46,6 @@ from vsb.stages.make import best_so_far
 from vsb.stages.stage import run_task
 from vsb.study.campaign import study_at
 from vsb.study.design import PARTS, load_design
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plans import plan_of
 from vsb.study.study import load as load_study
 from vsb.tools.files import attributes
 from vsb.tools.shipped import HOME
@@ -85,7 +84,7 @@ def test_sensitivity_is_the_exponent_of_a_power_law(folder):
         gradients={POWER: 2 * power / damper}, multipliers={}, kkt=0.0, violation=0.0, curvatures=(), flat=(),
         accepted=True, message="", evaluations=1, degree=None, truncation=None, margins={},
     )  # fmt: skip
-    rows = sensitivity_table(planned(folder, "squared").design, {FLEXIBLE: one, COMPETITOR: one})[1]
+    rows = sensitivity_table(planned(folder, "squared").design.spec, {FLEXIBLE: one, COMPETITOR: one})[1]
     assert [(row[1], row[-1]) for row in rows] == 2 * [("pto.damping", pytest.approx(2.0, rel=1e-12))]
 
 
@@ -118,7 +117,7 @@ def test_best_of_all_starts_is_told_while_they_run(folder):
 def run(folder):
     """A problem of the damper alone, whose optimum is known."""
     plan = planned(folder, pareto={"force_rms": [1e4, 2e4]}, uncertain={"device.young_modulus": 0.1})
-    for task in tasks(plan):
+    for task in plan.tasks:
         run_task(task)
     return plan
 
@@ -129,8 +128,8 @@ def rows(plan, name):
 
 @pytest.mark.slow
 def test_every_product_is_there_and_carries_its_id(run):
-    assert all(Path(path).is_file() for path in products(run))
-    assert sorted(path for task in tasks(run) for path in task.makes) == sorted(products(run))
+    assert all(Path(path).is_file() for path in run.products)
+    assert sorted(path for task in run.tasks for path in task.makes) == sorted(run.products)
     assert {rule.stem for rule in rules(run)} == {"design_start", "design_front", "design_results"}
 
 
@@ -146,7 +145,7 @@ BUILT = {
 def test_limits_of_built_buoys_hold_with_the_probability_that_is_stated(folder, sigmas):
     """Sixty buoys with modulus and wall as they may be built, evaluated with all physics, against first derivatives."""
     plan = planned(folder, f"built{sigmas:g}", **{**BUILT, "limits": BUILT["limits"] | {"sigmas": sigmas}})
-    for task in tasks(plan):
+    for task in plan.tasks:
         run_task(task)
     holds, limits = vsb.open(plan.folder).facts["holds"][FLEXIBLE], plan.flexible.limits
     (found,) = outcomes(f"{plan.folder}/starts", tuple(plan.starts))
@@ -168,7 +167,7 @@ def test_the_damper_found_is_the_optimal_one_of_the_year(folder):
     plan = planned(folder, "free")
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     for search, starts in ((plan.flexible, plan.starts), (plan.rigid, plan.rigid_starts)):
-        (task,) = (task for task in tasks(plan) if Path(task.makes[0]).stem in starts)
+        (task,) = (task for task in plan.tasks if Path(task.makes[0]).stem in starts)
         run_task(task)
         (end,) = outcomes(f"{plan.folder}/starts", [*starts])
         study = load_study(folder / "shell.yaml")
@@ -235,7 +234,7 @@ def test_a_campaign_of_the_optimum_at_a_finer_degree_lies_within_its_numerical_e
         campaign |= {"climate": {"spectra": "sea.txt"}, "vary": {"device.mass": [raw["device"]["mass"]]}}
         (folder / f"finer_{file}.yaml").write_text(yaml.safe_dump(campaign))
         plan = replace(plan_of(str(folder / f"finer_{file}.yaml")), root=str(folder / "results"))
-        for task in tasks(plan):
+        for task in plan.tasks:
             if task.stage != "campaign_report":
                 run_task(task)
         finer = vsb.open(plan.folder)
@@ -323,12 +322,12 @@ def test_the_example_runs_a_design_in_15_lines_and_keeps_what_is_there(run, caps
     example = HOME / "examples" / "best_buoy.py"
     code = example.read_text(encoding="utf-8").split("import vsb\n")[1]
     assert len([line for line in code.splitlines() if line]) <= 15
-    before = {path: Path(path).stat().st_mtime_ns for path in products(run)}
+    before = {path: Path(path).stat().st_mtime_ns for path in run.products}
     monkeypatch.chdir(Path(run.root).parent)
     monkeypatch.setattr(sys, "argv", ["best_buoy.py", "damper.yaml"])
     runpy.run_path(str(example))
     assert "The best flexible buoy absorbs" in capsys.readouterr().out
-    assert before == {path: Path(path).stat().st_mtime_ns for path in products(run)}
+    assert before == {path: Path(path).stat().st_mtime_ns for path in run.products}
 
 
 def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
@@ -359,7 +358,7 @@ def test_a_start_is_kept_under_limits_that_do_not_hold_it(folder, capsys):
     def ended(**changes):
         changed = {**limits, **changes}
         plan = planned(folder, "kept", MANY, limits=changed)
-        for task in tasks(plan):
+        for task in plan.tasks:
             if task.stage == "design_start" and task.spec.search.flexible:
                 run_task(task)
         return outcomes(f"{plan.folder}/starts", [*plan.starts])[0]
@@ -452,7 +451,7 @@ def test_several_ports_have_the_matrix_that_absorbs_most_and_keep_it_as_built(fo
     study = shell_with(folder, "ports", pto={"ports": {"h": "heave", "v": "volume"}})
     free = {"device.mass": [9e3, 2.2e4]}
     plan = planned(folder, "at_ports", free, study=study, uncertain={"device.thickness": 0.05})
-    for task in tasks(plan):
+    for task in plan.tasks:
         run_task(task)
     found, seas = vsb.open(plan.folder), read_climate(plan.climate, plan.loaded.climate_path)
     best, keys = found.optimum, ["device.mass", "device.thickness"]
@@ -482,7 +481,7 @@ def test_several_ports_keep_the_force_of_all_together(folder):
         with pytest.raises(ConfigError, match=words):
             planned(folder, "refused", free, **changes)
     plan = planned(folder, "at_forces", free, study=study, limits={"force_rms": 5e3})
-    for task in tasks(plan):
+    for task in plan.tasks:
         run_task(task)
     found = vsb.open(plan.folder)
     both = (FLEXIBLE, COMPETITOR)
@@ -511,7 +510,7 @@ def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
         assert re.search(words, " ".join(raised.value.mistakes))
     plan = planned(folder, "opposed", {"device.mass": [9e3, 2.2e4]}, **against)
     heave = planned(folder, "heave_alone", {"device.mass": [9e3, 2.2e4]})
-    assert [one.search.base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
+    assert [one.spec.search.base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
     rigid = [found_by(one)[COMPETITOR][0] for one in (plan, heave)]
     assert rigid[0].quantities[POWER] == pytest.approx(rigid[1].quantities[POWER], rel=1e-12)
 
@@ -543,7 +542,7 @@ def test_the_design_optimised_of_several_is_named(folder):
 
 def found_by(plan):
     """Where the starts of a problem ended, as its table says: without names of designs there are none to differ."""
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage == "design_start":
             run_task(task)
     searches = {FLEXIBLE: plan.starts, COMPETITOR: plan.rigid_starts}
@@ -570,7 +569,7 @@ def test_limits_never_reached_change_nothing_printed(folder):
         for name, more in (("reached", {}), ("unreached", never))
     ]
     for plan in plans:
-        for task in tasks(plan):
+        for task in plan.tasks:
             run_task(task)
     for table in ("starts.csv", "pareto.csv", "sensitivity.csv", "budget.csv", "power_budget.csv"):
         assert rows(plans[0], table) == rows(plans[1], table)
@@ -588,7 +587,7 @@ def test_limits_never_reached_change_nothing_printed(folder):
 def test_a_limit_of_the_shell_holds_no_rigid_buoy(folder):
     """Along a front of the strain at rest the competitor is the same; its front asked for a strain it does not have."""
     plan = planned(folder, "strained", pareto={"static_strain": [0.2, 0.4]})
-    for task in tasks(plan):
+    for task in plan.tasks:
         run_task(task)
     powers = {(row["buoy"], row["value"]): float(row["annual_mean_power"]) for row in rows(plan, "pareto.csv")}
     rigid = [power for (buoy, _), power in powers.items() if buoy == COMPETITOR]
@@ -600,7 +599,7 @@ def test_errors_along_a_front_under_causal_control_are_those_of_its_own_force(fo
     """They were those of the same buoy at the force of the best one, with several times the power."""
     changes = {"tuning": "causal", "limits": {"force_rms": 2e4}, "pareto": {"force_rms": [5e3]}}
     plan = planned(folder, "weak", {"device.mass": [9e3, 2.2e4]}, **changes)
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage != "design_report":
             run_task(task)
     for row in rows(plan, "pareto.csv"):
@@ -610,7 +609,7 @@ def test_errors_along_a_front_under_causal_control_are_those_of_its_own_force(fo
 
 def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     plan = planned(folder, "gained", maximise="gain")
-    (task,) = (task for task in tasks(plan) if task.stage == "design_start" and task.spec.search.flexible)
+    (task,) = (task for task in plan.tasks if task.stage == "design_start" and task.spec.search.flexible)
     run_task(task)
     (end,) = outcomes(f"{plan.folder}/starts", [*plan.starts])
     seas = read_climate(plan.climate, plan.loaded.climate_path)
@@ -622,7 +621,7 @@ def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
 def test_a_search_keeps_to_springs_that_the_water_is_stronger_than(folder):
     """Long waves ask for a spring below zero, which away from rest is stronger than the water."""
     plan = planned(folder, "sprung", {"pto.stiffness": [-1.2e5, 1e5], **DAMPER})
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage == "design_start":
             run_task(task)
     for ends in (plan.starts, plan.rigid_starts):
@@ -654,18 +653,18 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
 def test_starts_none_of_which_rests_are_named(folder):
     """Walls of 1 to 2 mm with at most 100 Pa inside buckle before they carry their load, some 20 kPa at the keel."""
     plan = planned(folder, "limp", {"device.thickness": [1e-3, 2e-3], "device.internal_pressure": [0.0, 100.0]})
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage == "design_start":
             run_task(task)
     with pytest.raises(ConvergenceError, match="none of 1 starts found a buoy within all limits: none of 17 buoys"):
-        run_task(next(task for task in tasks(plan) if task.stage == "design_results"))
+        run_task(next(task for task in plan.tasks if task.stage == "design_results"))
 
 
 @pytest.mark.slow
 def test_runs_in_time_of_linear_theory_say_its_own_gain(folder):
     """Both buoys in time by the linear model: the gain of the year, but for the end of the transient."""
     plan = planned(folder, "intime", verify={"seas": 4, "model": "linear"})
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage != "design_report":
             run_task(task)
     found = vsb.open(plan.folder)
@@ -715,7 +714,7 @@ def test_a_run_in_time_that_fails_is_reported_with_all_that_was_found(folder):
     page = Path(plan.folder, "report.html").read_text()
     assert "Computed, but not valid: The best flexible buoy absorbs" in page
     assert "a spring below zero that drives the buoy out of the water" in page
-    assert all(Path(path).is_file() for path in products(plan))
+    assert all(Path(path).is_file() for path in plan.products)
 
 
 @pytest.mark.slow

@@ -8,9 +8,9 @@ from shell.test_device import raw
 from tests.hydro.formats.test_checks import sound
 from vsb.engine.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.engine.hydro.formats.wamit import wamit_texts
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.coefficients import import_bemio, import_wamit
 from vsb.stages.water import _at_rest
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 from vsb.tools.files import load
 
@@ -39,7 +39,7 @@ def test_wamit_and_bemio_files_are_imported_with_a_verdict(tmp_path):
 def test_centres_of_a_spheroid_that_floats_high():
     """Stretched from the cap of a sphere of 2 m, whose centroid lies 3 (2 r - h)^2/4 (3 r - h) below the centre."""
     study = parse(raw({"spheroid": {"height": 3.0}}, device={"mass": 9e3, "centre_of_mass": -0.4}))
-    found, height, h = _at_rest(StudyPlan(study).database), study.centre_height, study.draft / 0.75
+    found, height, h = _at_rest(StudyPlan(study).database.spec), study.centre_height, study.draft / 0.75
     assert found["displaced_volume"] == pytest.approx(9e3 / 1025.0, rel=1e-9)
     assert found["centre_of_buoyancy"][2] == pytest.approx(height - 0.75 * 3 * (4 - h) ** 2 / (4 * (6 - h)), rel=1e-9)
     assert found["centre_of_mass"] == pytest.approx([0.0, 0.0, height - 0.4])

@@ -8,11 +8,11 @@ from conftest import varied
 
 from vsb.cli import main
 from vsb.stages import report
-from vsb.study.figure_names import FIGURE_KINDS, of_buoy
+from vsb.study.figure_names import FIGURE_KINDS, of_study
 
 
 def test_every_figure_is_drawn_and_stamped(small):
-    names = {f"{name}.{kind}" for name in of_buoy(small.study) for kind in FIGURE_KINDS}
+    names = {f"{name}.{kind}" for name in of_study(small.study) for kind in FIGURE_KINDS}
     folder = Path(small.folder, "figures")
     assert {path.name for path in folder.iterdir()} == names
     stamps = json.loads(Path(small.manifest).read_text())
@@ -26,7 +26,7 @@ def test_every_figure_is_drawn_and_stamped(small):
 
 def test_figures_are_drawn_for_print_and_a_file_of_the_user_stays(small, tmp_path, capsys):
     """Every figure as PDF and PNG; none at all if one would replace another file."""
-    names, command = of_buoy(small.study), ["figures", f"{small.name}.yaml", "--out", str(tmp_path)]
+    names, command = of_study(small.study), ["figures", f"{small.name}.yaml", "--out", str(tmp_path)]
     assert main([*command, "--pdf", "--png"]) == 0
     drawn = {path.name: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
     assert set(drawn) == {f"{name}.{kind}" for name in names for kind in ("pdf", "png")}

@@ -9,10 +9,10 @@ import yaml
 
 from vsb.engine.hydro.bodies.solution import read_study, solve
 from vsb.pipeline import costs
+from vsb.pipeline.graph import frequencies
 from vsb.pipeline.jobs import jobs
-from vsb.pipeline.tasks import frequencies, tasks
+from vsb.pipeline.plans import plan_of
 from vsb.stages.coefficients import run_frequencies
-from vsb.study.plans import plan_of
 
 HULL = {"kind": "cylinder", "radius": 3.0, "height": 6.0, "draft": 4.0, "panel": 1.5}
 FILE = {
@@ -44,7 +44,7 @@ def test_long_bodies_are_shared_among_jobs_each_frequency_once(tmp_path):
 
 @pytest.mark.parametrize(("panel", "more"), [(1.5, {}), (0.1, {"tolerance": 1e-3})])
 def test_short_ones_and_adaptive_sweeps_are_one_task(tmp_path, panel, more):
-    assert not [task for task in tasks(plan_of(written(tmp_path, panel, **more))) if task.stage == "frequencies"]
+    assert not [task for task in plan_of(written(tmp_path, panel, **more)).tasks if task.stage == "frequencies"]
 
 
 def test_database_of_frequencies_solved_apart_is_the_same(tmp_path, monkeypatch, green_folder):

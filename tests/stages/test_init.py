@@ -6,8 +6,8 @@ from conftest import EXAMPLE
 from vsb.cli import main
 from vsb.engine.shell.shell import Shell, natural_frequencies
 from vsb.errors import ConfigError
+from vsb.pipeline.plans import plan_of
 from vsb.stages.init import init, init_body, init_campaign
-from vsb.stages.planning import plan_of
 from vsb.study.study import load
 
 

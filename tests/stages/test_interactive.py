@@ -15,7 +15,7 @@ from vsb.tools.files import load
 
 def living(plan, study=None, limited=()):
     """Data of the page of a study, or of another one of the same buoy."""
-    return interactive_study(study or plan.study, plan.database_path, load(plan.response_files["response"]), limited)
+    return interactive_study(study or plan.study, plan.database.out, load(plan.response.out), limited)
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ def swept(folder):  # noqa: F811
 def test_page_computes_energies_and_power_matrices_of_the_campaign(swept, tmp_path):
     plan, ds = swept
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    data = interactive_year(plan.campaign, ds, *leading(ds), seas, plan.root)
+    data = interactive_year(plan.campaign.spec, ds, *leading(ds), seas, plan.root)
     expression = """data.points.map((stored) => {
       const bins = unpackedBins(data.bins);
       const point = unpackedPoint(stored);
@@ -80,7 +80,7 @@ def moved(swept):
     plan, ds = swept
     with chdir(plan.root + "/.."):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
-        return animated_year(plan.campaign, ds, *leading(ds), seas, plan.root)
+        return animated_year(plan.campaign.spec, ds, *leading(ds), seas, plan.root)
 
 
 def test_animation_of_a_campaign_page(swept, tmp_path):

@@ -11,12 +11,12 @@ from stages.test_members import run as run_campaign
 
 from examples.barge import Barge
 from vsb.engine.hydro.bodies.files import write_body
+from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.results.budget import MODES
 from vsb.results.ladder import study_ladder
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan, StudyPlan
 
 pytestmark = pytest.mark.slow
 
@@ -47,8 +47,10 @@ def buoy(i, tolerance):
 def climbed(study, root):
     """Control levels of a study by design, sea and name."""
     plan = StudyPlan(study, root=str(root))
-    make(plan, [plan.database_path])
-    return {(level.design, level.wave, level.rung): level for level in study_ladder(plan.ladder, plan.database_path)}
+    make(plan, [plan.database.out])
+    return {
+        (level.design, level.wave, level.rung): level for level in study_ladder(plan.ladder.spec, plan.database.out)
+    }
 
 
 def half(errors):
@@ -129,10 +131,10 @@ def meshes(tmp_path_factory, green_folder):
         (folder / "study.yaml").write_text(yaml.safe_dump({"study": f"raft{panels}", **STUDY}))
         located = load_body(folder / "study.yaml")
         plan = BodyPlan(located.study, root=str(root / "results"), files=located.files)
-        make(plan, [plan.database_path])
+        make(plan, [plan.database.out])
         found[panels] = {
             (level.design, level.wave): level
-            for level in study_ladder(plan.ladder, plan.database_path)
+            for level in study_ladder(plan.ladder.spec, plan.database.out)
             if level.rung == "best_damper"
         }
     return found

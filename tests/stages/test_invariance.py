@@ -18,10 +18,9 @@ from invariance import (
     restated,
 )
 
-from vsb.pipeline.tasks import products
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 
 GAS = {"internal_pressure": 6e4, "gas": {"adiabatic_index": 1.4, "atmospheric_pressure": 101325.0}}
 STUDIES = {
@@ -49,7 +48,7 @@ def results(tmp_path_factory):
         people = () if look else (".html", ".svg", ".csv")
         make(
             plan,
-            [path for path in products(plan) if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],
+            [path for path in plan.products if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],
         )
         return plan
 

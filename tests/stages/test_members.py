@@ -18,14 +18,14 @@ from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import VsbError
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import floating_system
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import plan_of
 from vsb.results.year import band_weights, frequencies, year
 from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import function_of, specification
 from vsb.stages.verify import verify
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import plan_of
 from vsb.tools.files import load
 from vsb.tools.packed import Pack, packs
 
@@ -68,19 +68,19 @@ def parsed(stage, spec):
 
 
 def batches(plan):
-    for name, spec in plan.batches.items():
+    for task in plan.batches.values():
         campaign.run_members(
-            parsed("members", spec),
+            parsed("members", task.spec),
             plan.loaded.climate_path,
             f"{plan.folder}/members",
             plan.root,
-            plan.batch_path(name),
+            task.out,
         )
 
 
 def gather(plan):
-    folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.table_path)
-    campaign.run_campaign(parsed("campaign", plan.campaign), *folders, *files, plan.manifest)
+    folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.campaign.makes[1])
+    campaign.run_campaign(parsed("campaign", plan.campaign.spec), *folders, *files, plan.manifest)
 
 
 def computed(plan):
@@ -95,7 +95,7 @@ def run(plan):
     found = computed(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
     campaign_report.run_campaign_report(
-        parsed("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+        parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found
 
@@ -109,8 +109,8 @@ def swept(folder):
 def year_apart(plan, study, root):
     """The year of a member's study from its own database in a folder of results."""
     one = StudyPlan(study, root=root)
-    make(one, [one.database_path])
-    floating = floating_system(study, one.database_path)
+    make(one, [one.database.out])
+    floating = floating_system(study, one.database.out)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     ports = floating.ports(frequencies(seas, *floating.linear.database.omega.values[[0, -1]]))
     return year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
@@ -231,7 +231,7 @@ def test_killed_campaign_resumes_to_the_same_bytes(folder):
     batches(cut)
     gather(cut)
     for batch in plan.batches:
-        assert Path(cut.batch_path(batch)).read_bytes() == Path(whole.batch_path(batch)).read_bytes()
+        assert Path(cut.batches[batch].out).read_bytes() == Path(whole.batches[batch].out).read_bytes()
     for name in ("data_path", "table_path"):
         assert Path(getattr(cut, name)).read_bytes() == Path(getattr(whole, name)).read_bytes()
 
@@ -249,7 +249,7 @@ def test_designs_that_buckle_are_recorded_as_not_viable(folder):
     lost = found.sel(internal_pressure=0.0)
     assert all(np.isnan(lost[name]).all() for name in ("annual_energy", "power_matrix", "gain_percent", "damping"))
     assert all(text.startswith("no equilibrium: the shell buckles") for text in lost.reason.values)
-    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    rows = list(csv.DictReader(Path(plan.campaign.makes[1]).read_text().splitlines()))
     assert {row["annual_energy"] == "" for row in rows if row["viable"] == "false"} == {True}
 
 
@@ -285,7 +285,7 @@ def test_year_of_a_damper_matrix_that_acts_on_heave_alone_is_that_of_a_damper(fo
     for name in ("energy_beyond", "beyond_validity"):
         np.testing.assert_allclose(found[name], alone[name], rtol=1e-6, err_msg=name)
     assert found.damper_matrix.sel(design="VSWEC", tuning="fixed").values.tolist() == TWO["damping"]
-    first = next(csv.DictReader(io.StringIO(Path(plan.table_path).read_text())))
+    first = next(csv.DictReader(io.StringIO(Path(plan.campaign.makes[1]).read_text())))
     assert first["damper_matrix"] == "[[8000.0, 0.0], [0.0, 0.0]]"
     assert "damper matrix" in Path(plan.folder, "report.html").read_text()
 
@@ -293,9 +293,9 @@ def test_year_of_a_damper_matrix_that_acts_on_heave_alone_is_that_of_a_damper(fo
 def year_at_ports(plan):
     """Seas of a campaign, several ports of the flexible design of its first member, and weights of their frequencies."""
     study = StudyPlan(plan.members[0].study, root=plan.root)
-    make(study, [study.database_path])
+    make(study, [study.database.out])
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    floating = floating_system(study.study, study.database_path)
+    floating = floating_system(study.study, study.database.out)
     omega = frequencies(seas, *floating.band)
     return seas, floating.several_ports(omega)["VSWEC"], band_weights(omega, seas)
 

@@ -16,9 +16,10 @@ from examples.barge import Barge
 from vsb.api.results import Results
 from vsb.engine.hydro.bodies.files import write_body
 from vsb.engine.hydro.panels import rings as bem
+from vsb.pipeline.graph import BodyPlan
 from vsb.stages.make import make
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan
+from vsb.study.figure_names import of_study
 
 pytestmark = pytest.mark.slow
 
@@ -63,7 +64,7 @@ def folder(tmp_path_factory, green_folder):
     write_body(BARGE.body(2, 1025.0), place / "barge.nc")
     (place / "body.yaml").write_text(yaml.safe_dump(FILE))
     found = study(place)
-    table = Path(BodyPlan(found.study, root=str(place / "results")).green_folder)
+    table = Path(BodyPlan(found.study, root=str(place / "results")).green.files["folder"])
     shutil.copytree(green_folder, table)
     assert bem.stored_green_function(table)
     return place
@@ -79,7 +80,7 @@ def ladder(folder, name, **changes):
     """Control levels of a changed study with the same hydrodynamics."""
     located = study(folder, study=name, **changes)
     plan = BodyPlan(located.study, root=str(folder / "results"), files=located.files)
-    make(plan, [plan.database_path, f"{plan.folder}/ladder.csv"])
+    make(plan, [plan.database.out, f"{plan.folder}/ladder.csv"])
     return Results(located.study, str(folder / "results")).ladder.to_dict("records")
 
 
@@ -104,7 +105,7 @@ def test_study_of_a_mesh_from_panels_to_page(found):
     }
     assert "Does the flexible body absorb more power than the rigid one?" in found.report.read_text()
     figures = {path.stem for path in (Path(found.folder) / "raft" / "figures").glob("*.svg")}
-    assert figures == set(found.plan.figures)
+    assert figures == set(of_study(found.study))
 
 
 def test_page_shows_the_body_moving_as_its_response_says(found, tmp_path, monkeypatch):

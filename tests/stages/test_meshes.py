@@ -8,10 +8,9 @@ import pytest
 from conftest import shipped, varied
 
 from vsb.engine.hydro.panels import mesh as meshing
-from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import panels, shell
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import SphereMesh
 from vsb.study.study import load
 
@@ -49,7 +48,7 @@ def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
 )
 def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, changes):
     study = varied(load(shipped(name)), **changes)
-    spec = StudyPlan(study).witness.meshes
+    spec = StudyPlan(study).deformed.spec
     rest, *moved = panels.shapes(spec)
     assert [shape.name for shape in moved] == [f"{m}_{side}" for m in spec.deformed for side in ("minus", "plus")]
     keel = -rest.shell.meridian(np.array([np.pi])).z[0]
@@ -62,11 +61,11 @@ def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, c
 
 def test_viewable_shapes_are_written_and_stamped(seed, tmp_path):
     plan = StudyPlan(varied(seed, modes={"degree": 1}))
-    shell.run_display(plan.display, str(tmp_path / "shapes"), str(tmp_path / "manifest.json"))
-    names = {path.rsplit("/")[-1] for path in plan.display_paths}
+    shell.run_display(plan.display.spec, str(tmp_path / "shapes"), str(tmp_path / "manifest.json"))
+    names = {path.rsplit("/")[-1] for path in plan.display.makes}
     assert {path.name for path in (tmp_path / "shapes").iterdir()} == names
     stamps = json.loads((tmp_path / "manifest.json").read_text())
-    assert {entry["spec_id"] for entry in stamps.values()} == {content_id(plan.display)}
+    assert {entry["spec_id"] for entry in stamps.values()} == {plan.display.id}
     assert sorted(path.rpartition("/")[2] for path in stamps) == sorted(names)
     for name, least, most in (("mean", -1e-6, 1e-6), ("Membrane0_plus", 0.05, 1.0), ("Membrane0_minus", -1.0, -0.05)):
         points = meshio.read(tmp_path / "shapes" / f"{name}.vtu").points - [0.0, 0.0, seed.centre_height]

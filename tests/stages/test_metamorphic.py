@@ -9,9 +9,9 @@ from stages.test_body_invariance import barge
 
 import vsb
 from vsb.engine.hydro.database import save_database
+from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.stages.side_by_side import lines
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import parse
 from vsb.tools.words import power
 

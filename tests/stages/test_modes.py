@@ -5,14 +5,14 @@ import pytest
 from conftest import varied
 
 from vsb.models.rest import study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import shell
-from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
 
 def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
     study = varied(seed, modes={"basis": "full", "degree": 4})
-    shell.run_modes(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
+    shell.run_modes(StudyPlan(study).modes.spec, str(tmp_path / "modes.nc"))
     ds, basis = load(tmp_path / "modes.nc"), study_basis(study)
     assert tuple(ds.mode.values) == basis.labels[1:]
     assert (ds.colatitude.values[0], ds.colatitude.values[-1]) == (0.0, pytest.approx(np.pi))
@@ -27,7 +27,7 @@ def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
 def test_rest_shape_of_a_spheroid(seed, tmp_path):
     """Displacement along e_r and e_phi from the point of the sphere to that of the meridian at the same angle."""
     study = varied(seed, device={"shape": {"spheroid": {"height": 3.0}}}, modes={"basis": "full", "degree": 3})
-    shell.run_modes(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
+    shell.run_modes(StudyPlan(study).modes.spec, str(tmp_path / "modes.nc"))
     ds, r = load(tmp_path / "modes.nc"), study.device.radius
     phi = ds.colatitude.values
     out, along = r + ds.rest_radial.values, ds.rest_meridional.values

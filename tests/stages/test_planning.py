@@ -6,11 +6,10 @@ from conftest import EXAMPLE, varied
 
 from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.spectral.solver import MOST_NODES, SpectralProblem, largest_error
-from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
-from vsb.stages.planning import degree_lines, plan_of, with_degree
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import degree_lines, plan_of, with_degree
 from vsb.study.degree import bending_degree, degree_needed
-from vsb.study.plan import StudyPlan
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
 
@@ -27,10 +26,10 @@ def test_degree_stands_in_the_ids_and_depends_on_the_buoy_alone(asked):
     plan = with_degree(StudyPlan(asked))
     assert plan.study.modes.degree in DEGREES
     other = varied(asked, waves=[{"kind": "regular", "amplitude": 0.1, "period": 6.0}])
-    assert content_id(with_degree(StudyPlan(other)).database) == content_id(plan.database)
+    assert with_degree(StudyPlan(other)).database.id == plan.database.id
     given = StudyPlan(varied(asked, modes={"basis": "full", "degree": 20}))
     assert with_degree(given) is given
-    assert content_id(given.database) != content_id(plan.database)
+    assert given.database.id != plan.database.id
 
 
 def test_softer_thinner_and_vented_walls_and_smaller_tolerances_need_more_degrees(asked):

@@ -30,7 +30,7 @@ def test_unreadable_stored_files_are_reported_before_any_job(small, finished, tm
     monkeypatch.chdir(tmp_path)
     shutil.copytree(finished / "results", "results")
     preview.check(small)
-    for path in (small.radiation_path, small.block_path(small.sweep_blocks[0]), small.database_path):
+    for path in (small.radiation.out, small.block_path(small.sweep_blocks[0]), small.database.out):
         Path(path).write_bytes(b"none")
         with pytest.raises(DatabaseError, match=f"{path}: cannot be read as netCDF"):
             preview.check(small)

@@ -5,9 +5,9 @@ import re
 import pytest
 from conftest import SEED, varied
 
+from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.jobs import jobs, rules
 from vsb.stages.progress import Progress, followed
-from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
 OUTPUT = """Execute 2 jobs...

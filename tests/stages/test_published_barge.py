@@ -10,9 +10,9 @@ import yaml
 from vsb.api.results import Results
 from vsb.engine.hydro.formats.checks import coefficient_checks
 from vsb.engine.hydro.formats.wamit import import_wamit
+from vsb.pipeline.graph import BodyPlan
 from vsb.stages.make import make
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan
 
 BARGE = Path(__file__).parents[1] / "data" / "barge"
 MODES = {"Surge": 1, "Heave": 3, "Pitch": 5, "Mode7": 7, "Mode8": 8, "Mode9": 9, "Mode10": 10}
@@ -38,7 +38,7 @@ def response(tmp_path, monkeypatch):
         Path("barge.yaml").write_text(yaml.safe_dump(raw))
         found = load_body("barge.yaml")
         plan = BodyPlan(found.study, files=found.files)
-        make(plan, [plan.database_path, *plan.response_files.values(), f"{plan.folder}/ladder.csv"])
+        make(plan, [plan.database.out, plan.response.out, f"{plan.folder}/ladder.csv"])
         return Results(found.study)
 
     return made

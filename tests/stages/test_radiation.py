@@ -6,17 +6,16 @@ import xarray as xr
 from vsb.engine.hydro.database import load_database
 from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
-from vsb.keys.quantities import content_id
 from vsb.stages import frequency
 from vsb.tools.files import load
 
 
 def test_radiation_model_is_passive_and_within_its_stated_error(small):
-    ds = load(small.radiation_path, expected=content_id(small.radiation))
+    ds = load(small.radiation.out, expected=small.radiation.id)
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     assert ds.attrs["order"] == model.order
     assert np.linalg.eigvals(model.state_matrix).real.max() < 0
-    assert ds.attrs["fit_error"] <= small.radiation.tolerance
+    assert ds.attrs["fit_error"] <= small.radiation.spec.tolerance
     damping = model.damping(ds.omega.values)
     np.testing.assert_allclose(ds.damping_state_space.values, np.einsum("wii->wi", damping))
     assert np.linalg.eigvalsh(damping).min() > -1e-9 * damping.max()
@@ -26,7 +25,7 @@ def test_radiation_model_is_passive_and_within_its_stated_error(small):
 
 
 def test_damping_of_the_model_is_that_of_the_database(small):
-    ds, database = load(small.radiation_path), load_database(small.database_path, content_id(small.database))
+    ds, database = load(small.radiation.out), load_database(small.database.out, small.database.id)
     heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
     truth = database.radiation_damping.sel(heave)
     assert float(np.abs(ds.damping_state_space.sel(radiating_dof="Heave") - truth).max()) < 0.01 * float(truth.max())

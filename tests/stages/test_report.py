@@ -41,7 +41,7 @@ def test_page_names_program_command_and_inputs(small):
     )
     assert facts["Program"].startswith(f"vsb {vsb.__version__}, ")
     assert facts["Command"].startswith("vsb run small.yaml, ")
-    known = (small.identity, Path(small.database_path).stem, Path(small.radiation_path).stem)
+    known = (small.identity, Path(small.database.out).stem, Path(small.radiation.out).stem)
     assert facts["Inputs"] == "study {}, database {}, radiation {}".format(*known)
 
 

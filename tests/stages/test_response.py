@@ -9,15 +9,15 @@ from conftest import varied
 from vsb.engine.motion.frequency import frequency_grid, with_others
 from vsb.engine.motion.port import LinearPto
 from vsb.models.floating_system import floating_system
+from vsb.pipeline.graph import StudyPlan
 from vsb.report.band import gain_band
 from vsb.stages import frequency
-from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
 
 @pytest.fixture
 def ds(small):
-    return load(small.response_files["response"], expected=small.response_id)
+    return load(small.response.out, expected=small.response.id)
 
 
 def test_absorbed_power_is_half_damping_times_velocity_squared(small, ds):
@@ -43,7 +43,7 @@ def test_optimal_damping_is_the_impedance_modulus(ds):
 def test_optimal_damping_beside_a_spring(small, ds, tmp_path):
     """The damper sees Z + i k/omega: optimal is its modulus, power |V Z|^2 c/(2 |Z + i k/omega + c|^2)."""
     plan = StudyPlan(varied(small.study, pto={"stiffness": 4.0e4}))
-    frequency.run_response(plan.response, small.database_path, str(tmp_path / "sprung.nc"))
+    frequency.run_response(plan.response.spec, small.database.out, str(tmp_path / "sprung.nc"))
     sprung = load(tmp_path / "sprung.nc")
     shared = np.intersect1d(sprung.omega, ds.omega)  # each has frequencies of its own at resonances and extremes
     assert len(shared) > 0.8 * ds.sizes["omega"]
@@ -71,13 +71,13 @@ def test_frequency_grid_resolves_resonances_and_extreme_gains(small, ds):
     """A grid thirty times as fine shows no larger and no smaller gain than the one that is written."""
     (wave,) = small.study.waves
     assert wave.omega in ds.omega.values
-    floating = floating_system(small.response, small.database_path)
+    floating = floating_system(small.response.spec, small.database.out)
     for motions in floating.motions.values():
         natural, _ = replace(floating.linear, pto=LinearPto(0.0, 0.0, floating.port)).natural_modes(motions)
         shown = natural[natural < float(ds.omega[-1])]
         assert np.abs(ds.omega.values[:, None] - shown).min(axis=0).max() < 1e-9
     fine = np.linspace(*ds.omega.values[[0, -1]], 30 * ds.sizes["omega"])
-    powers = frequency.best_powers(small.response, frequency.in_few_motions(floating), 0.0, fine)
+    powers = frequency.best_powers(small.response.spec, frequency.in_few_motions(floating), 0.0, fine)
     found, exact = ((100 * (p / p.sel(design="FSB") - 1)).where(gain_band(p, "FSB")) for p in (ds.best_power, powers))
     assert float(found.max()) == pytest.approx(float(exact.max()), abs=0.05)
     assert float(found.min()) == pytest.approx(float(exact.min()), abs=0.05)

@@ -11,9 +11,8 @@ from shell.test_device import raw
 
 from vsb.engine.hydro import database
 from vsb.engine.hydro.formats.common import floating
-from vsb.pipeline.tasks import products
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
 pytestmark = pytest.mark.slow
@@ -36,7 +35,7 @@ def planned(root, shape, model="linear", amplitude=0.1, designs=DESIGNS):
 @pytest.fixture(scope="module")
 def oblate(tmp_path_factory):
     plan = planned(tmp_path_factory.mktemp("oblate"), {"spheroid": {"height": 3.0}})
-    make(plan, products(plan))
+    make(plan, plan.products)
     return plan
 
 
@@ -48,14 +47,14 @@ def test_spheroid_of_equal_radii_is_the_sphere(tmp_path):
     shapes = {"sphere": None, "ball": {"spheroid": {"height": 4.0}}}
     plans = [planned(tmp_path / name, shape, designs=designs) for name, shape in shapes.items()]
     for plan in plans:
-        make(plan, plan.response_files.values())
-    one, other = (xr.open_dataset(plan.response_files["response"]) for plan in plans)
+        make(plan, [plan.response.out])
+    one, other = (xr.open_dataset(plan.response.out) for plan in plans)
     for quantity in ("absorbed_power", "best_power", "best_damping"):
         assert other[quantity].values == pytest.approx(one[quantity].values, rel=5e-4), quantity
 
 
 def test_hydrostatics_and_added_mass_of_a_half_spheroid(oblate):
-    ds = database.open_database(oblate.database_path)
+    ds = database.open_database(oblate.database.out)
     weight = 1025.0 * 9.81
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(weight * math.pi * 4.0, rel=1e-9)
     assert float(ds.inertia_matrix[0, 0]) == pytest.approx(1025.0 * 2 / 3 * math.pi * 4 * 1.5, rel=1e-9)
@@ -79,11 +78,11 @@ def test_time_and_frequency_domain_agree_and_energy_is_conserved(oblate):
 def test_body_exact_motion_in_small_waves_is_linear(oblate):
     """Of the rigid spheroid; the flexible one oscillates about a deformed shape."""
     plan = planned(oblate.root, {"spheroid": {"height": 3.0}}, "body_exact", 2e-3)
-    names = {design: plan.trajectory_path(design, plan.study.waves[0].label) for design in ("FSB", "VSWEC")}
+    names = {design: plan.simulation(design, plan.study.waves[0]).out for design in ("FSB", "VSWEC")}
     make(plan, names.values())
     runs = {design: xr.open_dataset(path).load() for design, path in names.items()}
     settled = runs["FSB"].position.sel(time=slice(12.0, 18.0))[:, 0]
-    response = xr.open_dataset(oblate.response_files["response"])
+    response = xr.open_dataset(oblate.response.out)
     omega = 2 * np.pi / 3.0
     rao = response.rao.sel(design="FSB", dof="Heave").sel(omega=omega, method="nearest")
     heave = float(np.hypot(*rao.values))  # of real and imaginary part

@@ -13,8 +13,8 @@ from stages.test_coefficients import SWELL, as_body
 from stages.test_members import planned, with_seas
 from test_cli import written
 
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import run as launcher
-from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
 

@@ -17,21 +17,21 @@ from vsb.engine.shell.deformed import enclosed
 from vsb.models import build
 from vsb.models.build import linear_design
 from vsb.models.latching import LatchingTime
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import simulate
-from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
 (WAVE,) = SMALL_PLAN.study.waves
 
 
 def stored(plan, design):
-    return load(plan.trajectory_path(design, WAVE.label), expected=plan.trajectory_id(design, WAVE))
+    return load(plan.simulation(design, WAVE).out, expected=plan.simulation(design, WAVE).id)
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
 def test_stored_motion_is_that_of_the_scene(small, design):
     run = stored(small, design)
-    one = small.simulation(design, WAVE)
+    one = small.simulation(design, WAVE).spec
     scene = linear_design(one, small.hydro_files).scene
     start = scene.start(one.simulation.initial_position, one.simulation.initial_velocity)
     exact = propagate(System.of(scene), run.time.values, start).position @ scene.motions.T
@@ -46,8 +46,8 @@ def test_run_in_legs_equals_run_in_one_piece(small, tmp_path, monkeypatch):
     """Every instant once, also where one leg ends and the next begins."""
     whole, short = stored(small, "VSWEC"), partial(simulate.legs, longest=100)
     monkeypatch.setattr(simulate, "legs", short)
-    simulate.run_simulate(small.simulation("VSWEC", WAVE), str(tmp_path / "run.nc"), **small.hydro_files)
-    run = load(tmp_path / "run.nc", expected=small.trajectory_id("VSWEC", WAVE))
+    simulate.run_simulate(small.simulation("VSWEC", WAVE).spec, str(tmp_path / "run.nc"), **small.hydro_files)
+    run = load(tmp_path / "run.nc", expected=small.simulation("VSWEC", WAVE).id)
     np.testing.assert_allclose(run.time.values, whole.time.values, atol=1e-12)
     for name in whole.data_vars:
         size = max(float(abs(whole[name]).max()), 1e-12)
@@ -61,7 +61,7 @@ def test_volume_and_area_are_those_of_the_moving_shell(small):
     radius = small.study.device.radius
     assert rigid.volume.values == pytest.approx(4 / 3 * np.pi * radius**3, rel=1e-9)
     assert rigid.area.values == pytest.approx(4 * np.pi * radius**2, rel=1e-9)
-    one = small.simulation("VSWEC", WAVE)
+    one = small.simulation("VSWEC", WAVE).spec
     shape = linear_design(one, small.hydro_files).shape
     volume, area = enclosed(shape.basis, shell.position.values)
     np.testing.assert_allclose(shell.volume.values, volume)
@@ -73,7 +73,7 @@ def test_clamped_shell_in_still_water_has_no_steady_power_and_no_drift(small, tm
     plan = StudyPlan(varied(small.study, designs={"C": {"clamp": 0}}, waves=[{"kind": "still"}]))
     (wave,) = plan.study.waves
     simulate.run_simulate(plan.simulation("C", wave), str(tmp_path / "run.nc"), **small.hydro_files)
-    run = load(tmp_path / "run.nc", expected=plan.trajectory_id("C", wave))
+    run = load(tmp_path / "run.nc", expected=plan.simulation("C", wave).id)
     assert "steady_power" not in run.attrs
     assert run.attrs["constraint_drift"] < 1e-12
 
@@ -92,7 +92,7 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     plan = StudyPlan(varied(small.study, pto=pto, waves=waves, simulation=simulation))
     (wave,) = plan.study.waves
     simulate.run_simulate(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
-    run = load(tmp_path / "run.nc", expected=plan.trajectory_id("FSB", wave))
+    run = load(tmp_path / "run.nc", expected=plan.simulation("FSB", wave).id)
     assert LAWS[law] in run.attrs
     window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values
     assert run.attrs["steady_power"] == pytest.approx(np.diff(window)[0] / 25.0, rel=5e-3)

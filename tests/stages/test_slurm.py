@@ -6,10 +6,10 @@ import re
 import pytest
 import yaml
 
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import plan_of
 from vsb.stages import slurm
 from vsb.stages.run import ended
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import plan_of
 from vsb.study.study import parse
 from vsb.tools.shipped import HOME
 

@@ -13,11 +13,11 @@ from vsb.engine.hydro import database
 from vsb.engine.shell.deformed import rigid_sphere
 from vsb.errors import DatabaseError
 from vsb.keys.quantities import content_id
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import panels
 from vsb.stages import water as solving
 from vsb.stages.make import make
 from vsb.stages.water import spectral_problem
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
 from vsb.study.study import load
 from vsb.tools import files
@@ -66,18 +66,18 @@ def test_both_solvers_agree_within_their_error_estimates(seed, tmp_path):
 
 
 def test_missing_or_foreign_block_is_refused(small, tmp_path):
-    (name,) = small.database.sweep
+    (name,) = small.database.spec.sweep
     with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
-        solving.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        solving.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
     files.save(files.load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
     with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
-        solving.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        solving.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
     assert not (tmp_path / "out.nc").exists()
 
 
 def test_failed_check_stops_unless_accepted(small, tmp_path):
     """Damping of the wrong size violates Haskind's relation; solved again it does, too, of water that is too dense."""
-    (name,) = small.database.sweep
+    (name,) = small.database.spec.sweep
     shutil.copy(f"{small.block_folder}/{name}.nc", tmp_path)
     block = files.load(tmp_path / f"{name}.nc")
     other = json.loads(block.attrs["spec"])
@@ -86,9 +86,9 @@ def test_failed_check_stops_unless_accepted(small, tmp_path):
     files.save(damaged, tmp_path / f"{name}.nc")
     out = str(tmp_path / "db" / "out.nc")
     with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
-        solving.run_database(small.database, str(tmp_path), out)
+        solving.run_database(small.database.spec, str(tmp_path), out)
     assert not Path(out).exists()
-    spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
+    spec = DatabaseSpec(**{**small.database.spec.model_dump(), "accept": ("haskind", "kramers_kronig")})
     solving.run_database(spec, str(tmp_path), out)
     assert "accepted" in files.load(out).attrs["quality"]
 
@@ -99,8 +99,8 @@ def test_coefficients_too_coarse_for_a_check_are_solved_again(tmp_path):
     Haskind's relation then fails; ten times finer it holds a hundred times better, and the history says so.
     """
     plan = StudyPlan(load(written_study(tmp_path, GENT)), root=str(tmp_path))
-    make(plan, [plan.database_path])
-    ds = files.load(plan.database_path)
+    make(plan, [plan.database.out])
+    ds = files.load(plan.database.out)
     assert re.search(r"solved again to 0.1 of the tolerance: haskind 0.07\d+ became 0.000\d+$", ds.attrs["history"])
     assert all(check.verdict == "ok" for check in database.stored_checks(ds))
 
@@ -134,8 +134,8 @@ def test_sway_and_roll_are_surge_and_pitch_turned(seed, tmp_path):
     hydro = {"omega_max": 4.0, "tolerance": 1e-2, "witness": "none"}
     study = varied(seed, motion="free", mooring=mooring, device=device, modes={"degree": 2, "order": 1}, hydro=hydro)
     plan = StudyPlan(study, root=str(tmp_path))
-    make(plan, [plan.database_path])
-    ds = files.load(plan.database_path)
+    make(plan, [plan.database.out])
+    ds = files.load(plan.database.out)
     labels, order = list(ds.influenced_dof.values), ds.azimuthal_order.values
     even, odd = ([label for label, m in zip(labels, order, strict=True) if m == sign] for sign in (1, -1))
     assert {"Surge", "Pitch"} <= set(even)

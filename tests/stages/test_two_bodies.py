@@ -14,11 +14,11 @@ import vsb
 from vsb.api.results import Results
 from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.errors import ConfigError
+from vsb.pipeline.graph import BodyPlan
 from vsb.report import html
 from vsb.report.page import STILL
 from vsb.stages.make import make
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan
 
 RM3 = Path(__file__).parents[1] / "data" / "rm3"
 HEAVES = ["body1__Heave", "body2__Heave"]
@@ -164,7 +164,7 @@ def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     located = load_body(study(tmp_path, {"database": str(RM3 / "rm3.nc")}, ["rm3_float__Heave", "rm3_spar__Heave"]))
     plan = BodyPlan(located.study, files=located.files)
-    make(plan, [plan.database_path, plan.radiation_path, f"{plan.folder}/ladder.csv"])
+    make(plan, [plan.database.out, plan.radiation.out, f"{plan.folder}/ladder.csv"])
     found = Results(plan.study)
     assert level(found, "rm3", "fixed") == pytest.approx(level(rm3, "rm3", "fixed"), rel=0.05)
     checks = {check["name"]: check for check in json.loads(found.database.attrs["quality"])}

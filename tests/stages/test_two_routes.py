@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 from vsb.engine.shell.meridian import capsule, spheroid
+from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.results.ladder import study_ladder
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.body import load_body
-from vsb.study.plan import BodyPlan, StudyPlan
 
 pytestmark = pytest.mark.slow
 
@@ -24,8 +24,8 @@ POINTS = [
 
 def powers(plan):
     """Power and interval at the optimal damper in each wave [W]."""
-    make(plan, [plan.database_path])
-    levels = [level for level in study_ladder(plan.ladder, plan.database_path) if level.rung == "best_damper"]
+    make(plan, [plan.database.out])
+    levels = [level for level in study_ladder(plan.ladder.spec, plan.database.out) if level.rung == "best_damper"]
     return [(level.low, level.power_mean, level.high) for level in levels]
 
 

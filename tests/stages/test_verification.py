@@ -11,6 +11,8 @@ from stages.test_members import BASE, batches, gather, parsed, with_seas
 
 from vsb.engine.hydro.database import save_database
 from vsb.engine.motion.port import LinearPto
+from vsb.pipeline.graph import BodyPlan
+from vsb.pipeline.plans import plan_of
 from vsb.report.campaign_answer import answer as answer_of
 from vsb.report.campaign_page import head, rows, warnings
 from vsb.results.campaign import with_verification
@@ -18,8 +20,6 @@ from vsb.results.verification import DesignInTime
 from vsb.stages import campaign_report, verification
 from vsb.stages.body_preview import check
 from vsb.study.body import located
-from vsb.study.plan import BodyPlan
-from vsb.study.plans import plan_of
 from vsb.tools import packed
 from vsb.tools.files import load
 from vsb.tools.variables import check_finite
@@ -51,11 +51,11 @@ def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "on
 
 
 def simulated(plan):
-    for name, spec in plan.verifications.items():
+    for task in plan.verifications.values():
         verification.run_verification(
-            parsed("verification", spec), plan.loaded.climate_path, plan.root, plan.verification_path(name)
+            parsed("verification", task.spec), plan.loaded.climate_path, plan.root, task.out
         )  # fmt: skip
-    return [load(path, expected=name) for name, path in zip(plan.verifications, plan.verification_paths, strict=True)]
+    return [load(task.out, expected=task.id) for task in plan.verifications.values()]
 
 
 def run(plan):
@@ -64,7 +64,7 @@ def run(plan):
     gather(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
     campaign_report.run_campaign_report(
-        parsed("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+        parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found, load(plan.data_path, expected=plan.identity)
 
@@ -148,7 +148,8 @@ def test_points_whose_runs_fail_keep_their_linear_year(checked):
     why = "FSB in a sea of Hs 4 m and Te 9 s: the motion cannot be followed"
     lost = [one.where(False).assign_attrs(one.attrs, failure=why) for one in runs]
     some, none = (
-        with_verification(plan.campaign, linear.assign_attrs(said), chosen) for chosen in ([lost[0], runs[1]], lost)
+        with_verification(plan.campaign.spec, linear.assign_attrs(said), chosen)
+        for chosen in ([lost[0], runs[1]], lost)
     )
     for ds in (some, none):
         check_finite(ds, "campaign.nc")

@@ -13,12 +13,11 @@ from tools.test_files import rewritten
 import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
-from vsb.pipeline.tasks import file_ids
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages import report
 from vsb.stages.locks import shared_lock
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
 
@@ -36,7 +35,7 @@ def plan_of(**changes):
 
 
 (WAVE,) = PLAN.study.waves
-FSB, VSWEC = (PLAN.trajectory_path(design, WAVE.label) for design in ("FSB", "VSWEC"))
+FSB, VSWEC = (PLAN.simulation(design, WAVE).out for design in ("FSB", "VSWEC"))
 RESPONSE, TABLE = f"{PLAN.folder}/response.nc", f"{PLAN.folder}/comparison.csv"
 
 
@@ -69,11 +68,11 @@ DAMAGE = [
     (f"{PLAN.folder}/tables.json", replaced('"verdict": "fail"', '"verdict": "ok"')),
     (f"{PLAN.folder}/study.json", replaced("8000", "5000")),
     (f"{PLAN.folder}/figures/absorbed_power.svg", cut),
-    (PLAN.display_paths[0], cut),
+    (PLAN.display.makes[0], cut),
 ]
 SHARED = [
-    (PLAN.database_path, scaled("hydrostatic_stiffness", 1.3)),
-    (PLAN.radiation_path, lambda path: shutil.copy(FSB, path)),
+    (PLAN.database.out, scaled("hydrostatic_stiffness", 1.3)),
+    (PLAN.radiation.out, lambda path: shutil.copy(FSB, path)),
     (PLAN.block_path(PLAN.sweep_blocks[0]), cut),
 ]
 """Files that studies share are not removed by a run."""
@@ -88,9 +87,9 @@ def with_old_time(path, damage):
 def test_copied_results_are_valid_without_snakemakes_records(place):
     assert not (place / ".snakemake").exists()
     assert study_faults(PLAN) == []
-    assert verify("small.yaml") == [f"small.yaml: {len(file_ids(PLAN))} files are what they should be"]
+    assert verify("small.yaml") == [f"small.yaml: {len(PLAN.file_ids)} files are what they should be"]
     for folder in ("results", "results/small"):
-        assert verify(folder) == [f"{folder}: {len(file_ids(PLAN))} files are what they should be"]
+        assert verify(folder) == [f"{folder}: {len(PLAN.file_ids)} files are what they should be"]
 
 
 def test_change_of_a_study_is_told_from_what_it_was_to_what_it_is(place):
@@ -100,14 +99,14 @@ def test_change_of_a_study_is_told_from_what_it_was_to_what_it_is(place):
 
 def test_copied_results_are_continued(place):
     """From another folder only what is missing, and what rests on it, is made."""
-    whole, before = Path(FSB).read_bytes(), {path: os.stat(path).st_mtime_ns for path in file_ids(PLAN) if path != FSB}
+    whole, before = Path(FSB).read_bytes(), {path: os.stat(path).st_mtime_ns for path in PLAN.file_ids if path != FSB}
     power = vsb.open("results/small").comparison.power_mean
     Path(FSB).unlink()
     again = vsb.run(vsb.load("small.yaml"))
     assert len(Path(FSB).read_bytes()) == len(whole)
     assert again.comparison.power_mean.equals(power)
     made = {path for path, then in before.items() if os.stat(path).st_mtime_ns != then}
-    assert made.isdisjoint({VSWEC, RESPONSE, PLAN.database_path, PLAN.radiation_path})
+    assert made.isdisjoint({VSWEC, RESPONSE, PLAN.database.out, PLAN.radiation.out})
 
 
 def test_shared_files_are_known_in_the_folder_of_another_user(place, tmp_path, monkeypatch):
@@ -115,7 +114,7 @@ def test_shared_files_are_known_in_the_folder_of_another_user(place, tmp_path, m
     (tmp_path / "other" / "results").mkdir(parents=True)
     (tmp_path / "other" / "results" / "hydro").symlink_to(place / "results" / "hydro")
     monkeypatch.chdir(tmp_path / "other")
-    assert Path(PLAN.display_paths[0]).is_file()
+    assert Path(PLAN.display.makes[0]).is_file()
     assert stale_products(PLAN, dry=True) == []
 
 
@@ -132,8 +131,8 @@ def test_run_keeps_what_a_user_put_in_the_place_of_a_product(place):
 
 def test_what_another_run_is_making_for_both_stays(place):
     """Meshes that are written and not yet in their manifest are not moved: the run waits for the other one."""
-    meshes = PLAN.display_paths
-    manifest, aside = Path(PLAN.display_folder, "manifest.json"), Path("manifest.json")
+    meshes = PLAN.display.makes
+    manifest, aside = Path(PLAN.display.files["out"], "manifest.json"), Path("manifest.json")
     with ThreadPoolExecutor() as pool:
         with shared_lock(PLAN.root, meshes):
             manifest.rename(aside)
@@ -180,7 +179,7 @@ def test_changed_study_makes_dependent_results_stale(place, changes, stale):
     found = set(stale_products(plan_of(**changes), dry=True))
     assert {path for path in found if path.endswith(".nc")} == stale
     assert {f"{PLAN.folder}/{name}" for name in TOGETHER} < found
-    assert set(PLAN.display_paths).isdisjoint(found)
+    assert set(PLAN.display.makes).isdisjoint(found)
 
 
 def report_files():
@@ -225,8 +224,8 @@ def test_half_written_files_are_ignored_and_misnamed_files_refused(place):
     """Names of files being written begin with a dot; a file named by an id must hold it."""
     Path(PLAN.folder, ".half.nc").write_bytes(b"half")
     verify("results")
-    shutil.copy(PLAN.database_path, Path(PLAN.folder, "0123456789abcdef.nc"))
-    with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database_path).stem}'"):
+    shutil.copy(PLAN.database.out, Path(PLAN.folder, "0123456789abcdef.nc"))
+    with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database.out).stem}'"):
         verify("results")
 
 

@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from vsb.errors import ConfigError, VsbError
-from vsb.pipeline.tasks import Task
+from vsb.pipeline.graph import Task
 from vsb.stages.workers import run_side_by_side
 
 
@@ -59,7 +59,7 @@ def test_no_process_outlives_the_run(tmp_path, how):
     """A killed run and an interrupted one leave nothing at work behind."""
     program = f"""
 import os, pathlib, time
-from vsb.pipeline.tasks import Task
+from vsb.pipeline.graph import Task
 from vsb.stages.workers import run_side_by_side
 def work(task):
     pathlib.Path({str(tmp_path)!r}, task.makes[0]).write_text(str(os.getpid()))

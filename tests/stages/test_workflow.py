@@ -26,11 +26,10 @@ from snakemake.shell import shell
 import vsb
 from vsb.cli import main
 from vsb.keys.quantities import canonical
-from vsb.pipeline.tasks import file_ids, tasks
+from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 from vsb.tools.files import load, read_groups
 
 pytestmark = pytest.mark.slow
@@ -47,7 +46,7 @@ FOREIGN = (
     "profiles/default/config.yaml",
     "snakemake.py",
     "yaml.py",
-    "vsb/study/plan.py",
+    "vsb/pipeline/graph.py",
 )
 """Unrelated files in the current folder, which would be executed if they were imported."""
 SCIENCE = {"mesh", "green", "cross_check", "panels", "spectral", "database"}
@@ -60,7 +59,7 @@ def folder(tmp_path_factory, green_folder):
     for name in FOREIGN:
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         (place / name).write_text("open('stranger', 'w')\n")
-    table = place / StudyPlan(config.load(SEED)).green_folder
+    table = place / StudyPlan(config.load(SEED)).green.files["folder"]
     shutil.copytree(green_folder, table)
     Path(f"{table}.done").write_text("0 s\n")
     process = start(place, "run", write(place, BASE), "--cores", "2")
@@ -164,8 +163,8 @@ def test_specification_longer_than_a_shell_argument(folder, monkeypatch, tmp_pat
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     seas = [{"kind": "jonswap", "hs": 1.0, "tp": tp, "realisations": 600} for tp in (4.0, 5.0, 6.0)]
     plan = StudyPlan(config.parse(with_(waves=seas)))
-    assert len(canonical(plan.comparison)) > 2**17
-    task = replace(next(iter(tasks(plan))), files={"out": "modes.nc"}, makes=("modes.nc",))
+    assert len(canonical(plan.compare.spec)) > 2**17
+    task = replace(next(iter(plan.tasks)), files={"out": "modes.nc"}, makes=("modes.nc",))
     shell("vsb stage modes <<< {text:q}", text=canonical([task.handed]) + " " * 2**17)
     assert load("modes.nc").equals(load(folder / "results/base/modes.nc"))
 
@@ -202,7 +201,7 @@ def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypa
     """By panels, with the second solver."""
     shutil.copytree(folder / "results/hydro/green", tmp_path / "results/hydro/green")
     results = run_in_process(tmp_path, BASE)
-    for path in file_ids(results.plan):
+    for path in results.plan.file_ids:
         assert contents(tmp_path / path) == contents(folder / path), path
     rows = csv.DictReader((folder / "results/base/comparison.csv").open())
     monkeypatch.chdir(tmp_path)
@@ -286,7 +285,7 @@ def test_killed_run_resumes_to_identical_numbers(folder):
     resumed = (folder / "results/killed/comparison.csv").read_text()
     shutil.rmtree(folder / "results/killed")
     plan = StudyPlan(config.load(folder / "killed.yaml"))
-    for path in [plan.database_path, plan.radiation_path, *(plan.block_path(b) for b in plan.sweep_blocks)]:
+    for path in [plan.database.out, plan.radiation.out, *(plan.block_path(b) for b in plan.sweep_blocks)]:
         (folder / path).unlink()
     with chdir(folder):
         make(plan, ["results/killed/comparison.csv"])

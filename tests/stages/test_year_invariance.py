@@ -9,9 +9,9 @@ from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, u
 
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.keys.quantities import canonical
+from vsb.pipeline.plans import plan_of
 from vsb.stages import campaign
 from vsb.stages.stage import function_of, specification
-from vsb.study.plans import plan_of
 from vsb.tools.files import load
 
 pytestmark = pytest.mark.slow
@@ -39,10 +39,10 @@ def year(folder, raw, seas=SEAS, height=1.0):
     given = {"campaign": "year", "study": "study.yaml", "climate": {"spectra": "sea.txt"}}
     (folder / "year.yaml").write_text(yaml.safe_dump(given | {"tuning": ["fixed", "one", "each"]}))
     plan = plan_of(str(folder / "year.yaml"))
-    ((batch, spec),) = plan.batches.items()
+    ((batch, task),) = plan.batches.items()
     root = str(folder / "results")
     campaign.run_members(
-        specification(function_of("members"), json.loads(canonical(spec))),
+        specification(function_of("members"), json.loads(canonical(task.spec))),
         plan.loaded.climate_path,
         f"{root}/members",
         root,

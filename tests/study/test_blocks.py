@@ -17,8 +17,8 @@ from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
 from vsb.models.rest import study_basis
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.blocks import frequency_step, tolerance_rows
-from vsb.study.plan import StudyPlan
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,9 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
-from vsb.pipeline.tasks import file_ids, products
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import plan_of
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import plan_of
 
 
 @pytest.fixture
@@ -83,13 +82,13 @@ def test_materials_and_clamps_of_a_sphere_share_its_hydrodynamics(planned):
 def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
     vary = {"device.young_modulus": {"log": [1e6, 1e9, 40]}, "device.thickness": {"linear": [0.01, 0.1, 25]}}
     plan = planned(vary)
-    batches = {name: [str(point) for point in spec.points] for name, spec in plan.batches.items()}
+    batches = {name: [str(point) for point in one.spec.points] for name, one in plan.batches.items()}
     monkeypatch.chdir(tmp_path)
     again = CampaignPlan(plan.loaded, root="elsewhere")
-    assert {name: [str(point) for point in spec.points] for name, spec in again.batches.items()} == batches
+    assert {name: [str(point) for point in one.spec.points] for name, one in again.batches.items()} == batches
     assert sorted(itertools.chain(*batches.values())) == sorted(str(one.point) for one in plan.members)
     assert len(set(ids(plan))) == 1000
-    thicknesses = [{point["device.thickness"] for point in spec.points} for spec in plan.batches.values()]
+    thicknesses = [{point["device.thickness"] for point in one.spec.points} for one in plan.batches.values()]
     assert len(thicknesses) == 3
     assert sum(map(len, thicknesses)) <= 25 + 2  # shapes and buckling of each are computed in one batch, or in two
 
@@ -102,12 +101,12 @@ def test_invalid_point_names_the_file(planned):
 def test_every_product_has_an_id(planned):
     """Batches and verifications have their own, all else that of the campaign."""
     plan = planned({"device.mass": [1.2e4, 1.4e4, 1.6e4, 1.7e4]}, verify={})
-    assert set(file_ids(plan)) == set(products(plan))
-    assert not any(map(plan.is_shared, products(plan)))
+    assert set(plan.file_ids) == set(plan.products)
+    assert not any(map(plan.is_shared, plan.products))
     assert (len(plan.batches), len(plan.verifications)) == (2, 4)
     own = {f"results/sweep/batches/{one}.nc": one for one in plan.batches}
     own |= {f"results/sweep/verification/{one}.nc": one for one in plan.verifications}
-    assert file_ids(plan) == dict.fromkeys(products(plan), plan.identity) | own
+    assert plan.file_ids == dict.fromkeys(plan.products, plan.identity) | own
     assert len({*own.values(), plan.identity}) == 7
 
 

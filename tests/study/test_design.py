@@ -6,8 +6,8 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.pipeline.jobs import jobs
+from vsb.pipeline.plans import planned
 from vsb.study.design import is_design, load_design
-from vsb.study.plans import planned
 
 RAW = {
     "design": "best",

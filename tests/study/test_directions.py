@@ -4,7 +4,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.plan import StudyPlan
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import load, parse
 
 BALANCE = {"centre_of_mass": -0.5, "ballast_inertia": 8000.0}

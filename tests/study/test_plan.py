@@ -11,10 +11,9 @@ from pydantic import ValidationError
 
 from vsb.engine.shell.device import Basis
 from vsb.keys.quantities import canonical, content_id
-from vsb.pipeline.tasks import file_ids, products
+from vsb.pipeline.graph import StudyPlan
 from vsb.study import specs
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import PHYSICS
 from vsb.study.study import load
 
@@ -39,9 +38,9 @@ def test_labels_are_those_of_the_basis(seed):
 
 def test_assumed_pressure_needs_no_bem(seed):
     plan = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 100.0}))
-    assert plan.bem_blocks == plan.hydro_files == plan.response_files == {}
-    assert not [path for path in products(plan) if "/hydro/db" in path or "response" in path]
-    assert plan.simulation("FSB", plan.study.waves[0]).hydro.pressure == 100.0
+    assert plan.bem_blocks == plan.hydro_files == {}
+    assert not [path for path in plan.products if "/hydro/db" in path or "response" in path]
+    assert plan.simulation("FSB", plan.study.waves[0]).spec.hydro.pressure == 100.0
 
 
 def rewritten(text):
@@ -57,8 +56,8 @@ def test_ids_do_not_depend_on_spelling(tmp_path, rewrite):
     file.write_text(rewrite(SEED.read_text()))
     assert file.read_text() != SEED.read_text()
     ours, theirs = StudyPlan(config.load(SEED)), StudyPlan(config.load(file))
-    for spec in ("database", "radiation", "display", "modes", "response", "comparison"):
-        assert content_id(getattr(theirs, spec)) == content_id(getattr(ours, spec))
+    for spec in ("database", "radiation", "display", "modes", "response", "compare"):
+        assert getattr(theirs, spec).id == getattr(ours, spec).id
     assert block_ids(theirs.study) == block_ids(ours.study)
 
 
@@ -79,16 +78,16 @@ def test_memory_bounds_what_was_measured(seed):
 def test_every_file_has_the_id_of_what_it_is_made_from(solver):
     """Shared files carry it in their name or folder; tables, figures and report have the study's."""
     plan = StudyPlan(varied(load(SEED), hydro={"solver": solver}), root="r")
-    stages = dict.fromkeys(plan.response_files.values(), plan.response_id)
-    stages |= {f"{plan.folder}/modes.nc": plan.modes_id}
-    stages |= {f"{plan.folder}/ladder.{kind}": plan.ladder_id for kind in ("csv", "json")}
+    stages = {plan.response.out: plan.response.id}
+    stages |= {f"{plan.folder}/modes.nc": plan.modes.id}
+    stages |= {f"{plan.folder}/ladder.{kind}": plan.ladder.id for kind in ("csv", "json")}
     runs = {
-        plan.trajectory_path(design, wave.label): plan.trajectory_id(design, wave)
+        plan.simulation(design, wave).out: plan.simulation(design, wave).id
         for design in plan.study.designs
         for wave in plan.study.waves
     }
-    assert len({plan.response_id, plan.ladder_id, plan.identity, *runs.values()}) == 3 + len(runs)
-    for path, identity in file_ids(plan).items():
+    assert len({plan.response.id, plan.ladder.id, plan.identity, *runs.values()}) == 3 + len(runs)
+    for path, identity in plan.file_ids.items():
         if path in stages or path in runs:
             assert identity == (stages | runs)[path]
         elif plan.is_shared(path):
@@ -97,8 +96,8 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
             assert file.startswith(f"{identity}.") or folder == identity
         else:
             assert identity == plan.identity
-    assert file_ids(plan)[plan.database_path] == content_id(plan.database)
-    assert {path for path in file_ids(plan) if "/mesh/" in path}
+    assert plan.file_ids[plan.database.out] == plan.database.id
+    assert {path for path in plan.file_ids if "/mesh/" in path}
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +109,7 @@ def pressurised():
 @pytest.mark.parametrize("kind", [specs.ModesSpec, specs.CompareSpec, specs.RadiationSpec])
 def test_specification_of_another_stage_or_version_is_refused(seed, kind):
     plan = StudyPlan(seed)
-    (spec,) = (one for one in (plan.modes, plan.comparison, plan.radiation) if isinstance(one, kind))
+    (spec,) = (one.spec for one in (plan.modes, plan.compare, plan.radiation) if isinstance(one.spec, kind))
     raw = json.loads(canonical(spec))
     assert kind.model_validate(raw) == spec
     for key, value in (("stage", "other"), ("physics", spec.physics + 1)):
@@ -153,13 +152,13 @@ def ids(study):
     plan, wave = StudyPlan(study), study.waves[0]
     return {
         "blocks": [content_id(block) for block in plan.sweep_blocks],
-        "database": content_id(plan.database),
-        "radiation": content_id(plan.radiation),
-        "witness": plan.witness and content_id(plan.witness),
-        "modes": content_id(plan.modes),
-        "response": plan.response_id,
-        "ladder": plan.ladder_id,
-        "runs": [plan.trajectory_id(design, wave) for design in ("FSB", "VSWEC")],
+        "database": plan.database.id,
+        "radiation": plan.radiation.id,
+        "witness": plan.witness and plan.witness.id,
+        "modes": plan.modes.id,
+        "response": plan.response.id,
+        "ladder": plan.ladder.id,
+        "runs": [plan.simulation(design, wave).id for design in ("FSB", "VSWEC")],
         "report": plan.identity,
     }
 

@@ -9,7 +9,7 @@ from vsb.engine.waves.kinds import Jonswap
 from vsb.engine.waves.records import read_record
 from vsb.engine.waves.seas import irregular
 from vsb.errors import ConfigError
-from vsb.study.plan import plan_for
+from vsb.pipeline.graph import plan_for
 from vsb.study.study import load, parse
 
 STEP, COUNT = 0.5, 1200

@@ -12,8 +12,8 @@ from vsb.engine.waves.kinds import RecordedSea
 from vsb.engine.waves.records import read_record
 from vsb.engine.waves.seas import components, sea
 from vsb.errors import ConfigError
+from vsb.pipeline.graph import StudyPlan, plan_for
 from vsb.stages.simulate import run_simulate
-from vsb.study.plan import StudyPlan, plan_for
 from vsb.study.study import load, parse
 from vsb.tools.files import load as stored
 

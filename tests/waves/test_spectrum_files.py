@@ -8,7 +8,7 @@ from conftest import SMALL
 from vsb.engine.waves.kinds import Jonswap, TabulatedSea
 from vsb.engine.waves.seas import components, sea
 from vsb.errors import ConfigError
-from vsb.study.plan import plan_for
+from vsb.pipeline.graph import plan_for
 from vsb.study.study import load, parse
 
 HERTZ = np.linspace(0.05, 1.2, 400)

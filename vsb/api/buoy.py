@@ -16,11 +16,11 @@ from vsb.engine.hydro.labels import RIGID
 from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError
 from vsb.models.rest import reference_shell
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import with_degree
 from vsb.results.ledger import shell_checks
 from vsb.stages import make
 from vsb.stages.init import example_of_radius
-from vsb.stages.planning import with_degree
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
 HEAVE = RIGID[2]
@@ -118,7 +118,8 @@ class Buoy:
         if failed := [check for check in self._checks if check.verdict == "fail"]:
             raise ConfigError(f"vsb.Buoy: {failed[0].line}")
         make.hydro_files(plan.study, self._folder.name)
-        make.make(plan, plan.response_files.values())
+        if plan.study.needs_bem:
+            make.make(plan, [plan.response.out])
         return Results(plan.study, self._folder.name)
 
     def _frequencies(self, periods: npt.ArrayLike) -> tuple[pd.Index, npt.NDArray[np.float64]]:

@@ -10,9 +10,9 @@ from vsb.design.evaluation import DAMPER, DesignModel, Quantity
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError
-from vsb.stages.planning import with_degree
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import with_degree
 from vsb.study.design import QUANTITIES, unit_of
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Study
 from vsb.study.vary import unit
 

@@ -28,17 +28,17 @@ from vsb.engine.waves.scatter import climate_of_cells
 from vsb.errors import ConfigError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
-from vsb.pipeline.tasks import file_ids
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
+from vsb.pipeline.plans import with_degree
 from vsb.report.answer import closing_line, limits_aside
 from vsb.results.series import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
-from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
 from vsb.study.campaign import check_conversion
 from vsb.study.design import LoadedDesign
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, plan_for
+from vsb.study.specs import SimulateSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
@@ -140,7 +140,7 @@ class Results:
     def ladder(self) -> pd.DataFrame:
         """A row per design, sea and control level; NaN where a level has no such value."""
         path = self._with_bem("control levels", f"{self.plan.folder}/ladder.csv")
-        rows = csv.DictReader(read_text(path, self.plan.manifest, file_ids(self.plan)[path]).splitlines())
+        rows = csv.DictReader(read_text(path, self.plan.manifest, self.plan.file_ids[path]).splitlines())
         words = ("design", "wave", "rung")
         return self._frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])
 
@@ -152,8 +152,8 @@ class Results:
 
         By `omega` [rad/s], with `period` [s] beside it.
         """
-        path = self._with_bem("frequency response", *self.plan.response_files.values())
-        stored = load(path, expected=self.plan.response_id)
+        path = self._with_bem("frequency response", f"{self.plan.folder}/response.nc")
+        stored = load(path, expected=self.plan.response.id)
         return stored.assign_coords(period=("omega", 2 * np.pi / stored.omega.values, {"units": "s"}))
 
     @cached_property
@@ -165,16 +165,15 @@ class Results:
     @cached_property
     def modes(self) -> xr.Dataset:
         """Shapes of the shell modes along a meridian, and the amplitudes at rest."""
-        path = next(iter(self.plan.modes_files.values()), None)
-        if path is None:
+        if (modes := self.plan.modes) is None:
             raise ConfigError("body: has no shell modes; needs a study of a buoy")
-        return load(path, expected=self.plan.modes_id)
+        return load(modes.out, expected=modes.id)
 
     def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
         """Return the time series of a design in a sea, named by its label; by default in the first."""
         found = self._wave(wave)
-        path = self.plan.trajectory_path(self._design(design), found.label)
-        return load(path, expected=self.plan.trajectory_id(design, found))
+        run = self.plan.simulation(self._design(design), found)
+        return load(run.out, expected=run.id)
 
     def series(self, design: str, wave: str | None = None) -> xr.Dataset:
         """Return the time series of a design in a sea under the names of WEC-Sim's `output`: motion, forces, power.
@@ -210,7 +209,7 @@ class Results:
         pto : Pto, optional
             Another take-off than the one simulated: any law, limit or damping.
         """
-        spec = self.plan.simulation(self._design(design), self._wave(wave))
+        spec: SimulateSpec = self.plan.simulation(self._design(design), self._wave(wave)).spec
         if pto is not None:
             spec = spec.with_take_off(pto)
         return design_in_sea(spec, dict(self.plan.hydro_files))

@@ -1,4 +1,4 @@
-"""The graph of a plan: its tasks, the jobs they are done in, what these cost, and the rules Snakemake reads.
+"""The graph of any file: its tasks, told once in `graph`, `campaign_plan` and `design_plan`; their jobs, rules, costs.
 
-Everything else follows from `tasks.tasks(plan)`: what a run makes, in which order, and what it has left to do.
+Everything else follows from `plan.tasks`: what a run makes, in which order, and what it has left to do.
 """

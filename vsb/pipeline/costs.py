@@ -4,7 +4,6 @@ Seconds are of one core of a desktop machine that does nothing else; on a busy o
 """
 
 import math
-from collections.abc import Sequence
 
 import psutil
 
@@ -12,12 +11,8 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
-from vsb.engine.waves.scatter import read_scatter
-from vsb.errors import ConfigError
 from vsb.study.blocks import BlockSpec
-from vsb.study.campaign import CAUSAL, Scatter
-from vsb.study.campaign_plan import CAUSAL_YEAR_SECONDS, MEMBER_SECONDS, CampaignPlan, Member
-from vsb.study.plan import StudyPlan
+from vsb.study.campaign import CAUSAL
 from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy, Study
 
@@ -70,6 +65,19 @@ BODY_SECONDS, IN_FINITE_DEPTH = 0.25, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 FREQUENCIES_SECONDS, MOST_OF_FREQUENCIES = 10.0, 32
 """What the frequencies of a body that are solved apart are to take at least, and in how many parts at most."""
+MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
+"""Of a member of a campaign whose coefficients are there, of coefficients of a shape."""
+CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
+"""CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
+MATRICES_WITHIN_SECONDS = 150.0
+"""Of the damper matrices of a given rms force in each of these bins."""
+WITH_LOSSES = 5.0
+"""That with losses in conversion, over it: weights are found by repetition."""
+YEAR_MEGABYTES = 0.02
+"""Of a design's year under one tuning, power matrices and all."""
+OVER_BUDGET = 2.0
+"""CPU time of optima within limits over their budget, by which their number was chosen; measured 2.1 to 3 on a busy
+machine."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
 
@@ -150,28 +158,6 @@ def _of_wall(buoy: AnyBuoy, *, flexible: bool) -> float:
     """How many times as long a body-exact run of a design takes as one of a sphere of modes to `DEGREE`."""
     degree = buoy.modes.max_degree if flexible else OF_RIGID
     return float((max(degree, OF_RIGID) / DEGREE) ** BY_DEGREE * (OF_SHAPE if buoy.device.shape else 1.0))
-
-
-def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
-    """Return the CPU time of members of a campaign [s]: their coefficients, their rest, their year."""
-    resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
-    shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
-    water = sum(block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
-    each = MEMBER_SECONDS + (plan.member_seconds - MEMBER_SECONDS) * _part_of_bins(plan)
-    rests = len({one.spec.sweep for one in resting})
-    return each * len(some) + REST_SECONDS * rests + SAME_REST_SECONDS * (len(resting) - rests) + water
-
-
-def _part_of_bins(plan: CampaignPlan) -> float:
-    """How long control of a year takes over that of one with `BINS` bins: known of few cells of a scatter table."""
-    climate = plan.loaded.campaign.climate
-    if plan.loaded.constrained or not isinstance(climate, Scatter):
-        return 1.0
-    try:
-        cells = len(read_scatter(plan.loaded.climate_path).hours)
-    except ConfigError:  # of a file that is gone, or other than it was: said where it is read for its seas
-        return 1.0
-    return ONCE + (1 - ONCE) * min(1.0, cells / BINS)
 
 
 def verification_seconds(spec: VerificationSpec) -> float:

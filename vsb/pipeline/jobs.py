@@ -1,19 +1,19 @@
-"""Jobs: tasks done one after another by one process, which takes 2 s to start; and the rules Snakemake knows them by.
+"""Jobs: tasks done one after another by one process; what is left to do, how long it takes; the rules Snakemake knows.
 
-What is shared between studies, long, or can run beside others is a job of its own. Files and ids are those of the
-tasks, whatever job does them.
+A process takes 2 s to start. What is shared between studies, long, or can run beside others is a job of its own. Files
+and ids are those of the tasks, whatever job does them.
 """
 
+import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
 from vsb.keys.quantities import canonical
-from vsb.pipeline.costs import JOB_SECONDS
-from vsb.pipeline.tasks import STAGES, Task, tasks
-from vsb.study.plans import Plan
+from vsb.pipeline import costs
+from vsb.pipeline.graph import STAGES, Graph, Task, due
 
 RULES = {
     "modes": "shell modes",
@@ -45,6 +45,13 @@ BATCHED = {"simulate", "verification", "design_start"}
 BATCH_SECONDS, MOST_BATCHES = 10.0, 32
 """CPU time that a batch is to take at least [s], so that starting it does not count; and how many there are at most,
 but for tasks longer than that."""
+SHORT = 600.0
+"""CPU time up to which a run does without Snakemake, whose every job costs two seconds more [s].
+
+A longer one has a log, a record and bounds of its own for each job.
+"""
+WORTH_A_FORK = 2.0
+"""Time that side by side must save [s]: processes forked share no memory of what others have read or compiled."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class Job:
     @property
     def seconds(self) -> float:
         """CPU time it takes, with the start of its process [s]."""
-        return JOB_SECONDS + sum(task.seconds for task in self.tasks)
+        return costs.JOB_SECONDS + sum(task.seconds for task in self.tasks)
 
     @property
     def megabytes(self) -> int:
@@ -91,10 +98,10 @@ class Job:
         return max(task.minutes for task in self.tasks)
 
 
-def jobs(plan: Plan) -> list[Job]:
+def jobs(plan: Graph) -> list[Job]:
     """Return the jobs of a plan, each after those whose files it needs."""
     by_rule: dict[str, list[list[Task]]] = {}
-    for task in tasks(plan):
+    for task in plan.tasks:
         if task.stage == "radiation":  # beside its database
             _making(by_rule, task.needs[0]).append(task)
             continue
@@ -133,6 +140,74 @@ def _batches(alone: Sequence[Sequence[Task]]) -> Iterator[list[Task]]:
         yield batch
 
 
+# what is left to do -------------------------------------------------------------------------------------------------
+
+
+def left(plan: Graph, stale: Collection[str] = ()) -> list[Job]:
+    """Return the jobs of a plan that have something left to do, with the tasks left of each."""
+    some = {task.makes for task in due(plan.tasks, plan.products, stale)}
+    found = (Job(job.rule, tuple(task for task in job.tasks if task.makes in some)) for job in jobs(plan))
+    return [job for job in found if job.tasks]
+
+
+def _tasks_of(some: Sequence[Job]) -> list[Task]:
+    """Tasks of jobs."""
+    return [task for job in some for task in job.tasks]
+
+
+def is_short(plan: Graph, stale: Collection[str] = ()) -> bool:
+    """Return whether what is left of a plan is done without Snakemake."""
+    return plan.seconds_left(_tasks_of(left(plan, stale))) <= SHORT
+
+
+def workers(some: Sequence[Task]) -> int:
+    """Return how many processes do tasks: one a core, or one where side by side they end no sooner."""
+    total, longest = sum(task.seconds for task in some), max(longest_chains(some), default=0.0)
+    count = min(cores(), len(some))
+    return count if total - max(longest, total / count if count else 0.0) > WORTH_A_FORK else 1
+
+
+def cores() -> int:
+    """Return the number of cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def longest_chains(some: Sequence[Task]) -> list[float]:
+    """Return how long it takes from the begin of a task until all that waits for it is done, by its place [s]."""
+    found = [0.0] * len(some)
+    after: dict[str, float] = {}  # by file: the longest chain of what needs it
+    for place in reversed(range(len(some))):
+        task = some[place]
+        found[place] = task.seconds + max((after.get(path, 0.0) for path in task.makes), default=0.0)
+        for path in task.needs:
+            after[path] = max(after.get(path, 0.0), found[place])
+    return found
+
+
+def seconds_of_jobs(plan: Graph) -> float:
+    """Return the CPU time of starting jobs [s]: none of a short plan."""
+    return 0.0 if is_short(plan) else costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(left(plan))
+
+
+def cost_line(plan: Graph, known: Mapping[str, float]) -> str:
+    """Return the line `vsb check` prints of the jobs left and their CPU time.
+
+    Parameters
+    ----------
+    plan : plan of a study or campaign
+    known : mapping of str to float
+        CPU time of the task that makes a file, where it is known better than from the plan [s].
+    """
+    some = left(plan)
+    better = sum(known[task.out] - task.seconds for task in _tasks_of(some) if task.out in known)
+    seconds = costs.START_OF_A_PROCESS + plan.seconds_left(_tasks_of(some)) + better
+    seconds += seconds_of_jobs(plan)
+    return f"cost         {len(some)} of {len(jobs(plan))} jobs to do: about {costs.plain_seconds(seconds)} on one core"
+
+
+# Snakemake's rules --------------------------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class Rule:
     """Jobs as one rule of Snakemake's: where there are several, each makes one file, which the wildcard `job` names."""
@@ -140,7 +215,7 @@ class Rule:
     stem: str  # a key of `RULES`
     name: str  # with a number where several jobs of a rule make several files each
     jobs: Mapping[str, Job]  # by wildcard
-    plan: Plan
+    plan: Graph
 
     @property
     def names(self) -> str:
@@ -192,7 +267,7 @@ class Rule:
         return self.job(wildcards).minutes
 
 
-def rules(plan: Plan) -> list[Rule]:
+def rules(plan: Graph) -> list[Rule]:
     """Return the rules of a plan, in the order of the chain."""
     found: list[Rule] = []
     every = jobs(plan)
@@ -222,7 +297,7 @@ _SHOWN = {
 """Products in Snakemake's report: caption, category, labels."""
 
 
-def shown(path: str, plan: Plan) -> dict[str, Any]:
+def shown(path: str, plan: Graph) -> dict[str, Any]:
     """Return how a product stands in Snakemake's report: options of its function `report`; empty if it does not."""
     file = PurePosixPath(path)
     of = "" if plan.KIND == "study" else f"{plan.KIND}_"

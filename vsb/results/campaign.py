@@ -8,11 +8,11 @@ import xarray as xr
 
 from vsb.engine.motion.damper_matrix import matrix_text
 from vsb.engine.motion.take_off import port_kind
+from vsb.pipeline.campaign_plan import VARIABLES
 from vsb.results.member import SAME_FOR_ALL
 from vsb.results.year import POWER_ENDS
 from vsb.study.body import BodyDesign
 from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
-from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import first_rigid
 from vsb.study.vary import MEMBER, PORT, unit

@@ -23,16 +23,15 @@ from vsb.engine.motion.frequency import allowed_part, compliance
 from vsb.engine.motion.linear import LinearSystem, direction_index
 from vsb.engine.waves.kinds import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
 from vsb.errors import ConfigError, StabilityError
-from vsb.keys.quantities import content_id
 from vsb.models.body import check_water, complete_body, dry_database, within_band
 from vsb.models.drag import dragged
 from vsb.models.floating_system import floating_body, port_in_seas, study_sea
 from vsb.models.take_off import check_law
 from vsb.pipeline.costs import body_seconds, memory_doubts, plain_seconds
+from vsb.pipeline.graph import BodyPlan
 from vsb.results import ledger
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import REPAIRS
-from vsb.study.plan import BodyPlan
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
@@ -68,7 +67,7 @@ def check(plan: BodyPlan) -> CheckedBody:
     else:
         ds = read_source(source.kind, files[source.kind], study.water, source.length, source.bodies, source.modes)
         check_water(study.water, ds)
-        body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
+        body, _, checks, _ = judged(plan.database.spec, within_band(ds, study.hydro.omega_max))
     floating, drifting = floating_body(study, body), {}
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
@@ -90,7 +89,7 @@ def check(plan: BodyPlan) -> CheckedBody:
     check_law(study.pto)
     check_stored(plan)
     moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
-    if moving and not plan.solves_panels:
+    if moving and not plan.study.uses_panels:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
             port_in_seas(floating, design, seas)  # raises if the port is not passive where the seas are
@@ -169,10 +168,10 @@ def check_direction(direction: float, body: LinearSystem, where: str) -> None:
 
 def check_stored(plan: BodyPlan) -> None:
     """Check that stored results a run would go on from are what they should be; `DatabaseError`."""
-    if Path(plan.database_path).exists():
-        database.load_database(plan.database_path, content_id(plan.database))
-    if Path(plan.radiation_path).exists():
-        load(plan.radiation_path)
+    if Path(plan.database.out).exists():
+        database.load_database(plan.database.out, plan.database.id)
+    if Path(plan.radiation.out).exists():
+        load(plan.radiation.out)
 
 
 QUICK = 25.0
@@ -185,7 +184,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
     Panels that fail a check are made smaller, as in the run, and solved again. Raises `DatabaseError` as the run would:
     if a check fails that smaller panels do not mend.
     """
-    if Path(plan.database_path).exists():
+    if Path(plan.database.out).exists():
         return []
     count = len(file.omega)
     if not _quick(file, mesh):
@@ -198,7 +197,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
             found, checks = solved(file, mesh, folder, green=green)
         checks = [check for check in checks if check.name not in plan.study.hydro.accept]
         if (finer := refined_file(file, mesh, checks)) is None:
-            known = judged(plan.database, within_band(found, plan.study.hydro.omega_max)).checks
+            known = judged(plan.database.spec, within_band(found, plan.study.hydro.omega_max)).checks
             of_mesh = {check.name for check in mesh_checks(file, mesh)}
             doubts = doubt_lines(check for check in known if check.name not in of_mesh)
             tried = f"{count} frequencies tried"
@@ -232,14 +231,14 @@ def summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
     (body, checks, mesh, drifting), study = check(plan), plan.study
     floating, omega = floating_body(study, body), body.database.omega.values
-    there = " (there)" if Path(plan.database_path).exists() else ""
+    there = " (there)" if Path(plan.database.out).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
     lines = [
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"body         {len(body.labels)} degrees of freedom: {', '.join(body.labels)}; {', '.join(designs)}",
         f"hydro        {len(omega)} frequencies from {omega[0]:g} to {omega[-1]:g} rad/s, "
-        f"{'solved of the mesh' if plan.solves_panels else 'read from ' + plan.files[study.body.kind]}",
-        f"database     {plan.database_path}{there}",
+        f"{'solved of the mesh' if plan.study.uses_panels else 'read from ' + plan.files[study.body.kind]}",
+        f"database     {plan.database.out}{there}",
         *file_lines(study.waves),
     ]
     if mesh and isinstance(file := study.body.file, BodyFile):

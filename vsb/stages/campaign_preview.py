@@ -5,10 +5,10 @@ from pathlib import Path
 
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import where_of
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools import packed
 
@@ -27,14 +27,14 @@ def check(plan: CampaignPlan) -> None:
             hydro = StudyPlan(one.study.buoy, root=plan.root)
             hydro.check_waves()
             _check_band(plan, seas, hydro.first_omega, one.study.buoy.hydro.omega_max)
-    for body in plan.bodies.values():
+    for body in plan.bodies:
         _check_body(plan, body, seas)
     for member in plan.members:
         if (buoy := member.study.buoy) and any(
             one.flexible and buoy.modes.max_degree <= 2 * len(one.clamp) for one in buoy.designs.values()
         ):
             _check_clamps(buoy, where_of(member.point), plan.loaded.source)
-    for spec in plan.verifications.values():
+    for spec in (one.spec for one in plan.verifications.values()):
         if spec.buoy:
             _check_runs(spec.simulated, plan.loaded.source)
 
@@ -98,7 +98,7 @@ def summary(plan: CampaignPlan) -> list[str]:
     kinds = "shapes of the water" if plan.loaded.base.buoy else "databases"
     stored = packed.packs(Path(plan.folder, "members"))
     done = sum(one.id in stored for one in plan.members) if stored else 0
-    jobs = sum(not Path(path).exists() for path in plan.batch_paths)
+    jobs = sum(not Path(one.out).exists() for one in plan.batches.values())
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
         f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
@@ -142,7 +142,7 @@ def _runs_lines(plan: CampaignPlan) -> list[str]:
     """What is simulated in time."""
     if not (verify := plan.loaded.campaign.verify):
         return []
-    done = sum(Path(path).exists() for path in plan.verification_paths)
+    done = sum(Path(one.out).exists() for one in plan.verifications.values())
     return [
         f"verify       {verify.seas} seas, {verify.model}, of each of {len(plan.verifications)} points, {done} done"
     ]

@@ -16,6 +16,7 @@ from vsb.models.floating_system import AnyBody, Floating
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import whole_labels
 from vsb.models.viability import with_designs
+from vsb.pipeline.campaign_plan import members
 from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, View, frames_data, largest_shell, shapes_data
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN
@@ -30,7 +31,6 @@ from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
 from vsb.study import figure_names
-from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.tools.files import load, write_text

@@ -7,13 +7,12 @@ import importlib
 from typing import Any
 
 from vsb.engine.waves.kinds import RegularWave, StillWater
+from vsb.pipeline.campaign_plan import CampaignPlan
 from vsb.pipeline.costs import GREEN_KEPT_SECONDS
-from vsb.pipeline.schedule import cost_line
-from vsb.stages.planning import degree_lines
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import BodyPlan, StudyPlan
-from vsb.study.plans import Plan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import BodyPlan, StudyPlan
+from vsb.pipeline.jobs import cost_line
+from vsb.pipeline.plans import Plan, degree_lines
 from vsb.study.study import BaseStudy
 from vsb.study.unlikely import units_doubted, unlikely_units
 
@@ -57,14 +56,14 @@ def cost_lines(plan: Plan) -> list[str]:
     if isinstance(plan, DesignPlan):
         return []
     known: dict[str, float] = {}
-    bodies = [plan] if isinstance(plan, BodyPlan) else [*plan.bodies.values()] if isinstance(plan, CampaignPlan) else []
-    if some := [one for one in bodies if one.solves_panels]:
+    bodies = [plan] if isinstance(plan, BodyPlan) else plan.bodies if isinstance(plan, CampaignPlan) else []
+    if some := [one for one in bodies if one.study.uses_panels]:
         from vsb.engine.hydro.panels.rings import is_table_kept
         from vsb.stages.body_preview import solving_seconds
 
-        known = {one.database_path: solving_seconds(one) for one in some}
+        known = {one.database.out: solving_seconds(one) for one in some}
         if is_table_kept():
-            known |= {f"{one.green_folder}.done": GREEN_KEPT_SECONDS for one in some}
+            known |= {one.green.out: GREEN_KEPT_SECONDS for one in some}
     return [cost_line(plan, known)]
 
 

@@ -24,8 +24,8 @@ from vsb.engine.hydro.repairs import failures_as_doubts, repaired, with_conjugat
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.linear import LinearSystem
 from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
-from vsb.pipeline.schedule import workers
-from vsb.pipeline.tasks import frequencies
+from vsb.pipeline.graph import frequencies
+from vsb.pipeline.jobs import workers
 from vsb.stages.stage import stamp
 from vsb.stages.workers import CAN_FORK, run_side_by_side
 from vsb.study.body import REPAIRS, Body

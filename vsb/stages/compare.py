@@ -59,7 +59,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         lines = irregular.statistics(compared, samples)
         ladder = [
             ControlLevel(**row)
-            for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder_id))
+            for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder.id))
         ]
         checks += of_the_water(found, rows, runs, linear_seas(compared, runs, ladder))
         means = mean_powers(compared, rows, runs, ladder, found.response, samples)

@@ -13,12 +13,13 @@ from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.costs import START_OF_A_PROCESS
-from vsb.pipeline.schedule import seconds_of_jobs
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import Task
+from vsb.pipeline.jobs import seconds_of_jobs
 from vsb.report.design_answer import in_control
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import CAUSAL, study_at
 from vsb.study.design import PARTS, Variable, unit_of
-from vsb.study.design_plan import DesignPlan
 from vsb.study.specs import Search
 from vsb.study.vary import unit
 from vsb.tools.variables import PortKind
@@ -47,7 +48,7 @@ class Prepared(NamedTuple):
     """The problem of one search, and the CPU time it took to set up [s]."""
 
     search: Search
-    starts: tuple[str, ...]  # ids
+    starts: tuple[Task, ...]
     problem: Problem
     seconds: float
 
@@ -69,7 +70,7 @@ def _problems(plan: DesignPlan, seas: Climate) -> list[Prepared]:
             problem = problem_of(search, seas, degrees_of(search)[0])
         except ConfigError as error:
             raise ConfigError(f"{source}: study: {error}") from None
-        found.append(Prepared(search, tuple(starts), problem, process_time() - begun))
+        found.append(Prepared(search, tuple(starts.values()), problem, process_time() - begun))
     return found
 
 
@@ -131,7 +132,7 @@ def summary(plan: DesignPlan) -> list[str]:
     problem, search, study = plan.loaded.problem, plan.flexible, plan.loaded.base
     tried = [_tried(one, problem.seed) for one in prepared]
     limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())
-    left = sum(not Path(path).exists() for path in plan.start_paths)
+    left = sum(not Path(one.out).exists() for one in plan.all_starts)
     points, kept = sum(map(len, problem.pareto.values())), ", ".join(one.key for one in plan.rigid.variables)
     return [
         f"design       {plan.name}: {problem.maximise} of {plan.loaded.flexible} in {problem.study} over "
@@ -141,7 +142,7 @@ def summary(plan: DesignPlan) -> list[str]:
         + (f", kept by {search.sigmas:g} standard deviations" if search.sigmas else ""),
         *([f"take-off     {in_control(plan.loaded.base.pto.control)}"] if search.tuning == CAUSAL else []),
         f"competitor   {plan.loaded.rigid}{_in_heave(plan)}, optimised in {kept or 'nothing'}",
-        f"jobs         {left} of {len(plan.start_paths)} starts to do, {points} points of Pareto fronts"
+        f"jobs         {left} of {len(plan.all_starts)} starts to do, {points} points of Pareto fronts"
         + (f", {problem.verify.seas} seas in time" if problem.verify else ""),
         f"cost         {_cost(plan, prepared, tried)}" + (", runs in time apart" if problem.verify else ""),
         *(f"note         {note}" for note in plan.loaded.notes),
@@ -188,7 +189,7 @@ def _cost(plan: DesignPlan, prepared: Sequence[Prepared], tried: Sequence[Tried]
     for one, end in zip(prepared, tried, strict=True):
         if end.point is None:
             return f"not known: of {one.search.design}, {end.reason}"
-        left = sum(not Path(plan.start_path(name)).exists() for name in one.starts)
+        left = sum(not Path(start.out).exists() for start in one.starts)
         count, more = len(one.search.variables), MORE_MODES * (len(one.search.degrees[:3] or (None,)) - 1)
         of_starts, of_points = left * evaluations_of_start(count), points * evaluations_of_point(count)
         evaluations += of_starts + of_points

@@ -33,12 +33,12 @@ from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.keys.quantities import Section, canonical, content_id
 from vsb.models.viability import viability
+from vsb.pipeline.design_plan import TABLES
 from vsb.report.design_answer import answer, no_answer, objective_text
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes, points_of, under_limit
 from vsb.study.design import DIVISORS, LIMITS, limit_of, unit_of
-from vsb.study.design_plan import TABLES
 from vsb.study.feasible import OF_EVERY_BUOY
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study

@@ -5,17 +5,16 @@ import re
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
-from vsb.pipeline.schedule import workers
-from vsb.pipeline.tasks import Task, blocks, due, products, tasks
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import StudyPlan, Task, due
+from vsb.pipeline.jobs import workers
+from vsb.pipeline.plans import Plan
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.progress import Progress
 from vsb.stages.stage import run_task
 from vsb.stages.verify import stale_products
 from vsb.stages.workers import CAN_FORK, run_side_by_side
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import StudyPlan
-from vsb.study.plans import Plan
 from vsb.study.study import Study
 from vsb.tools.files import check_folder
 
@@ -29,7 +28,7 @@ def run(plan: Plan, *, quiet: bool = True) -> None:
     check_folder(plan.root)
     with exclusive_lock(Path(plan.folder)):
         stale = stale_products(plan, dry=False)
-        make_each(plan, due(tasks(plan), products(plan), stale), stale, quiet=quiet)
+        make_each(plan, due(plan.tasks, plan.products, stale), stale, quiet=quiet)
 
 
 def make_each(
@@ -76,7 +75,7 @@ def best_so_far(plan: DesignPlan) -> str:
 
 def make(plan: Plan, targets: Collection[str], stale: Collection[str] = ()) -> None:
     """Make files of a plan, and what they need; those that are there, and not stale, are kept."""
-    _run(plan, due(tasks(plan), targets, stale), stale)
+    _run(plan, due(plan.tasks, targets, stale), stale)
 
 
 def hydro_files(study: Study, folder: str | Path) -> dict[str, str]:
@@ -98,7 +97,7 @@ def solve(plan: StudyPlan) -> None:
     """Solve the frequencies of a buoy's shape that are not there: what of a study a member of a campaign needs."""
     targets = [plan.block_path(block) for block in plan.sweep_blocks]
     if not all(Path(path).exists() for path in targets):
-        _run(plan, due(list(blocks(plan)), targets))
+        _run(plan, due(list(plan.blocks()), targets))
 
 
 def _run(plan: Plan, some: Sequence[Task], stale: Collection[str] = (), begun: Begun | None = None) -> None:

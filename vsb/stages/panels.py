@@ -109,7 +109,7 @@ def run_witness(spec: WitnessSpec, meshes: str, out: str) -> None:
 
 
 def solve_block(spec: PanelsSpec, fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
-    """Solve one block of frequencies (`vsb.study.plan`) on two meshes; infinite frequency is a block of its own."""
+    """Solve one block of frequencies (`vsb.pipeline.graph`) on two meshes; infinite frequency is a block of its own."""
     water, moved, green = spec.water, displacements(spec.displacements), green_function(green_folder)
     meshes = (
         AxisymmetricProblem(green, mesh, moved, water.density, water.depth, water.gravity) for mesh in (fine, coarse)

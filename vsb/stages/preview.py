@@ -1,6 +1,7 @@
 """Checks, cost and dry shell frequencies of a study of a buoy before anything is solved."""
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,12 @@ from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.ritz import natural_modes
 from vsb.engine.shell.shell import Shell, natural_frequencies
 from vsb.engine.waves.kinds import file_lines
-from vsb.keys.quantities import content_id
+from vsb.errors import ConfigError
 from vsb.models.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
-from vsb.stages.planning import load_advised
+from vsb.pipeline.graph import StudyPlan
 from vsb.study.blocks import BlockSpec, no_witness
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
 from vsb.tools.files import load
@@ -24,6 +24,17 @@ SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
 """Seconds per instant at which switches are looked for, measured with 13 modes, and from which on a run is long."""
 FROM_REST = 8.0
 """Factor where a motion from rest absorbs less than the trials predict: then all times are tried from rest."""
+
+
+@contextlib.contextmanager
+def load_advised(study: Study) -> Iterator[None]:
+    """Say in an error of a shell that does not carry its load what would carry it, tried now."""
+    try:
+        yield
+    except ConfigError as error:
+        from vsb.models.load_advice import advised  # only now: it imports what solves
+
+        raise advised(study, error) from None
 
 
 def check(plan: StudyPlan) -> None:
@@ -44,10 +55,10 @@ def check(plan: StudyPlan) -> None:
     check_law(study.pto)
     if not study.needs_bem:
         return
-    if Path(plan.database_path).exists():
-        database.load_database(plan.database_path, content_id(plan.database))
+    if Path(plan.database.out).exists():
+        database.load_database(plan.database.out, plan.database.id)
     blocks = [plan.block_path(block) for block in plan.sweep_blocks + plan.tabulated_blocks]
-    for path in [*blocks, plan.radiation_path]:
+    for path in [*blocks, plan.radiation.out]:
         if Path(path).exists():
             load(path)
 
@@ -82,7 +93,7 @@ def _bem_lines(plan: StudyPlan) -> list[str]:
         f"hydro        {sum(len(block.omega) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
         f"rad/s, {how}",
         f"to solve     {len(todo)} of {len(blocks)} blocks of frequencies, at most about {seconds:.0f} s on one core",
-        f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
+        f"database     {plan.database.out}" + (" (there)" if Path(plan.database.out).exists() else ""),
         f"cross-check  {_witness_words(plan)}",
     ]
 
@@ -114,12 +125,12 @@ def _switching_lines(study: Study) -> list[str]:
 
 def _witness_words(plan: StudyPlan) -> str:
     """What a second solver would be asked, and how long both would take."""
-    if not plan.witness:
+    if not (deformed := plan.deformed) or not (witness := plan.witness):
         return f"none: {no_witness(plan.study)}"
-    shapes, rows = len(plan.deformed_paths), plan.witness.meshes.rows
-    there = all(Path(path).exists() for path in plan.witness_files.values())
+    shapes, rows = len(deformed.makes), deformed.spec.rows
+    there = Path(witness.out).exists()
     seconds = "there" if there else f"about {shapes * WITNESS_ROW2_SECONDS * rows**2:.0f} s on one core"
-    work = f"{shapes} shapes at {len(plan.witness.omega)} frequencies"
+    work = f"{shapes} shapes at {len(witness.spec.omega)} frequencies"
     return f"{work}, by panels in {rows} rows and by the spectral solver: {seconds}"
 
 

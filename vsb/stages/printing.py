@@ -6,15 +6,13 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from vsb.keys.quantities import content_id
-from vsb.pipeline.tasks import products
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.plans import Plan
 from vsb.report.svg import for_print
 from vsb.stages import campaign_report, design_report, report
 from vsb.stages.climate import read_climate
 from vsb.stages.stored import Inputs
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plans import Plan
 from vsb.tools.files import atomic_write, load
 from vsb.tools.stamps import check_output
 
@@ -27,7 +25,7 @@ def print_figures(plan: Plan, folder: str, kinds: Sequence[str]) -> list[str]:
     DatabaseError
         If a result is missing, damaged, or of another study, or a file of that name is the user's; nothing is written.
     """
-    for name in (Path(path).stem for path in products(plan) if path.endswith(".svg")):
+    for name in (Path(path).stem for path in plan.products if path.endswith(".svg")):
         for kind in kinds:
             check_output(Path(folder, f"{name}.{kind}"), [], f"{kind.upper()} of a figure")
     written = []
@@ -44,8 +42,8 @@ def _figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
     """Figures by name."""
     if isinstance(plan, CampaignPlan):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
-        return campaign_report.figures_of(plan.campaign, load(plan.data_path, expected=content_id(plan.campaign)), seas)
+        return campaign_report.figures_of(plan.campaign.spec, load(plan.data_path, expected=plan.campaign.id), seas)
     if isinstance(plan, DesignPlan):
-        return design_report.figures_of(plan.design, load(plan.tables["design.nc"], expected=content_id(plan.design)))
-    files = {**plan.hydro_files, **plan.response_files, **plan.witness_files, **plan.modes_files}
+        return design_report.figures_of(plan.design.spec, load(plan.data_path, expected=plan.design.id))
+    files = {name: one.out for name, one in plan.solved.items()} | ({"modes": plan.modes.out} if plan.modes else {})
     return report.figures_of(Inputs(plan.study, f"{plan.folder}/trajectories", files))

@@ -49,6 +49,7 @@ from vsb.stages.animated import animated_study
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
 from vsb.study.body import CONTENTS, AnyStudy
+from vsb.study.figure_names import of_study
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
@@ -91,7 +92,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
         knowledge=_knowledge(study, found),
         raos=_raos(study, found),
     )
-    yield from ((name, draw(name, data)) for name in found.plan.figures)
+    yield from ((name, draw(name, data)) for name in of_study(found.study))
 
 
 def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
@@ -113,7 +114,7 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
 def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
     """What knowledge of the waves is worth, by label of the seas with a figure of it."""
     waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)}
-    drawn = [wave for name, wave in waves.items() if name in found.plan.figures]
+    drawn = [wave for name, wave in waves.items() if name in of_study(found.study)]
     if not drawn:
         return {}
     floating = floating_system(study, found.path("database"))
@@ -321,7 +322,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         no_slider=no_slider(study),
-        figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
+        figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in of_study(stored.study)},
         facts=_facts(stored, stored.runs.attributes()),
     )
     write_text(out, render(page))

@@ -23,18 +23,16 @@ import psutil
 
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.reading import nearest, read_yaml
-from vsb.pipeline.jobs import Job, rules
-from vsb.pipeline.schedule import is_short, left
-from vsb.pipeline.tasks import due, products, tasks
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import due
+from vsb.pipeline.jobs import Job, is_short, left, rules
+from vsb.pipeline.plans import Plan, plan_of
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.make import best_so_far, log_path, make_each
-from vsb.stages.planning import plan_of
 from vsb.stages.progress import Progress, failed, followed
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plans import Plan
 from vsb.tools.commands import long_options
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened
@@ -80,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _run_here(plan: Plan, stale: Sequence[str], *, quiet: bool) -> None:
     """Make all products in this process and forks of it; if terminated, end after one line."""
-    some = due(tasks(plan), products(plan), stale)
+    some = due(plan.tasks, plan.products, stale)
     before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
     try:
         make_each(plan, some, stale, quiet=quiet, side_by_side=True)
@@ -123,7 +121,7 @@ def _run_by_snakemake(
     begun, lines = time.time(), deque[str](maxlen=KEPT)
     with _caches() as caches, shared_lock(plan.root, () if dry else unmade(plan)) as shared:
         environment |= caches
-        missing = bool(stale or args.snakemake) or not all(Path(path).exists() for path in products(plan))
+        missing = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
         whole = slurm.single_job(plan, given) if on_slurm and missing and not dry else []
         named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
         command = [*_command(args, profile, whole), *named, *_forced(args.snakemake, stale)]
@@ -215,7 +213,7 @@ def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan | DesignPlan):
         return []
-    made = [path for task in due(tasks(plan), products(plan)) for path in task.makes]
+    made = [path for task in due(plan.tasks, plan.products) for path in task.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 
@@ -223,7 +221,7 @@ def _is_answered(plan: Plan) -> bool:
     """Whether a design problem has a valid answer; studies and campaigns, which may have part of one, always do."""
     from vsb.tools.files import attributes
 
-    return not isinstance(plan, DesignPlan) or bool(attributes(plan.tables["design.nc"])["valid"])
+    return not isinstance(plan, DesignPlan) or bool(attributes(plan.data_path)["valid"])
 
 
 def _answer(plan: Plan) -> str:
@@ -236,7 +234,7 @@ def _answer(plan: Plan) -> str:
     if isinstance(plan, DesignPlan):
         from vsb.tools.files import load
 
-        return f"{load(plan.tables['design.nc'], expected=plan.identity).attrs['answer']} "
+        return f"{load(plan.data_path, expected=plan.identity).attrs['answer']} "
     from vsb.report.answer import closing_line, limits_aside
     from vsb.tools.stamps import read_text
 

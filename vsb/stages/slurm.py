@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from vsb.errors import VsbError
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plans import Plan
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.plans import Plan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""
@@ -80,11 +80,11 @@ def is_short(plan: Plan) -> bool:
         motion = runs * loaded.base.simulation.duration
         return len(plan.batches) <= MOST_RUNS and motion <= SHORT and loaded.constrained is None
     if isinstance(plan, DesignPlan):
-        return len(plan.start_paths) <= MOST_RUNS and not plan.verification_paths
+        return len(plan.all_starts) <= MOST_RUNS and not plan.verification
     study = plan.study
     runs = len(study.designs) * len(study.waves)
     motion = runs * study.simulation.duration
-    return runs <= MOST_RUNS and motion <= SHORT and not plan.solves_panels and not study.pto.has_latching_time
+    return runs <= MOST_RUNS and motion <= SHORT and not study.uses_panels and not study.pto.has_latching_time
 
 
 def job_name(name: str) -> str:

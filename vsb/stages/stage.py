@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, result_id
 from vsb.keys.reading import one_line
-from vsb.pipeline.tasks import STAGES, Task
+from vsb.pipeline.graph import STAGES, Task
 from vsb.study.specs import Spec
 from vsb.tools.stamps import check_product, faults, read_manifest
 

@@ -9,8 +9,8 @@ from typing import Any
 import xarray as xr
 
 from vsb.engine.hydro.database import load_database
+from vsb.pipeline.graph import ResultsPlan, plan_for, trajectory_name
 from vsb.study.body import AnyStudy
-from vsb.study.plan import ResultsPlan, plan_for, trajectory_name
 from vsb.tools.files import attributes, check_stamp, load
 
 
@@ -50,7 +50,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
     def _ids(self) -> dict[tuple[str, str], str]:
         """Content id of every run, sea by sea."""
         study, plan = self.study, plan_for(self.study)
-        return {(d, wave.label): plan.trajectory_id(d, wave) for wave in study.waves for d in study.designs}
+        return {(d, wave.label): plan.simulation(d, wave).id for wave in study.waves for d in study.designs}
 
     def _path(self, design: str, wave: str) -> str:
         """File of a run."""
@@ -85,8 +85,8 @@ class Inputs:
     @cached_property
     def modes(self) -> xr.Dataset:
         """Shapes of the shell modes."""
-        expected = self.plan.modes_id
-        return load(self.path("modes"), expected=expected) if expected else xr.Dataset()
+        modes = self.plan.modes
+        return load(self.path("modes"), expected=modes.id) if modes else xr.Dataset()
 
     @cached_property
     def database(self) -> xr.Dataset:
@@ -104,10 +104,10 @@ class Inputs:
     def response(self) -> xr.Dataset:
         """The frequency response."""
         needed = self.study.needs_bem
-        return load(self.path("response"), expected=self.plan.response_id) if needed else xr.Dataset()
+        return load(self.path("response"), expected=self.plan.response.id) if needed else xr.Dataset()
 
     @cached_property
     def witness(self) -> xr.Dataset:
         """What two solvers say of the same shapes."""
         path = self.path("witness")
-        return load(path, expected=Path(path).stem) if self.plan.witness_files else xr.Dataset()
+        return load(path, expected=Path(path).stem) if self.plan.witness else xr.Dataset()

@@ -17,6 +17,7 @@ from vsb.models.floating_system import AnyBody, Floating, floating_system
 from vsb.models.rest import rubber_shell
 from vsb.models.stationary import realised_within
 from vsb.models.viability import with_designs
+from vsb.pipeline.graph import StudyPlan, database_path, radiation_path
 from vsb.results.causal_year import Schedule, schedules_at_port, year_of_schedules
 from vsb.results.matrix_year import year_of_matrices
 from vsb.results.member import ports_year
@@ -43,7 +44,6 @@ from vsb.stages.make import make
 from vsb.stages.stage import stamp
 from vsb.study.body import BodyHydro
 from vsb.study.campaign import CAUSAL, Verify
-from vsb.study.plan import StudyPlan, database_path, radiation_path
 from vsb.study.specs import BodySystem, RadiationSpec, VerificationSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -109,9 +109,9 @@ def _of_viable(
 def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a study ready for any sea, without a damper yet; its database made if it is not there."""
     plan = StudyPlan(study, root=root)
-    make(plan, [plan.database_path, plan.radiation_path])
-    floating = floating_system(study, plan.database_path)
-    radiation = radiation_model(plan.radiation_path, floating.linear.labels)
+    make(plan, [plan.database.out, plan.radiation.out])
+    floating = floating_system(study, plan.database.out)
+    radiation = radiation_model(plan.radiation.out, floating.linear.labels)
     take_off, shell = LinearPto(0.0, study.pto.stiffness, floating.port), floating.shell
     rubber, memory = rubber_shell(study, shell.basis), Memory(radiation, floating.linear.added_mass_inf)
     return {

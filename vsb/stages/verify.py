@@ -8,14 +8,12 @@ from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
 from vsb.keys.quantities import id_in, leaves
-from vsb.pipeline import tasks
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import AnyPlan, plan_for
+from vsb.pipeline.plans import Plan, plan_of
 from vsb.stages.locks import shared_lock
-from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
-from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, plan_for
-from vsb.study.plans import Plan
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import DELETE, attributes
@@ -41,8 +39,8 @@ def verify(target: str) -> list[str]:
     """
     plans = _plans(target)
     root = Path(plans[0].root if plans else target)
-    ids = {path: identity for plan in plans for path, identity in tasks.file_ids(plan).items()}
-    missing = sorted({path for plan in plans for path in tasks.products(plan) if not Path(path).exists()})
+    ids = {path: identity for plan in plans for path, identity in plan.file_ids.items()}
+    missing = sorted({path for plan in plans for path in plan.products if not Path(path).exists()})
     found = [*faults(ids, manifests(root)), *_index_faults(root)]
     if Path(target).is_dir():
         found += _other_faults(Path(target), {*ids, *(plan.manifest for plan in plans)}, root / TRASH)
@@ -154,7 +152,7 @@ def manifests(root: Path) -> Manifest:
 
 def study_faults(plan: Plan) -> list[Fault]:
     """Return which files of a study that are there are not what they should be."""
-    return faults(tasks.file_ids(plan), manifests(Path(plan.root)))
+    return faults(plan.file_ids, manifests(Path(plan.root)))
 
 
 MOST_CHANGES = 6

@@ -14,8 +14,8 @@ from contextlib import contextmanager
 import psutil
 
 from vsb.errors import VsbError
-from vsb.pipeline.schedule import longest_chains
-from vsb.pipeline.tasks import Task
+from vsb.pipeline.graph import Task
+from vsb.pipeline.jobs import longest_chains
 from vsb.stages.stage import function_of
 
 CAN_FORK = sys.platform.startswith("linux")

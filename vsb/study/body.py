@@ -260,6 +260,11 @@ class BodyStudy(Brief, BaseStudy):
         """There is none."""
 
     @property
+    def uses_panels(self) -> bool:
+        """Whether its database is solved on the panels of a mesh, not read."""
+        return isinstance(self.body.file, BodyFile)
+
+    @property
     def dofs(self) -> tuple[str, ...] | None:
         """Degrees of freedom that designs move in, `rigid` for all rigid ones; none if some design moves in all."""
         if any(design.dofs == "all" for design in self.designs.values()):

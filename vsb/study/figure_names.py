@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.kinds import IrregularSea
 from vsb.study.blocks import no_witness
-from vsb.study.body import BodyStudy
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
 from vsb.tools.variables import MEMBRANE, SEVERAL
@@ -32,8 +31,11 @@ def paths(folder: str, names: Iterable[str]) -> list[str]:
     return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
-def of_buoy(study: Study) -> list[str]:
-    """Return the names of the figures of a buoy's study."""
+def of_study(study: BaseStudy) -> list[str]:
+    """Return the names of the figures of a study."""
+    if not isinstance(study, Study):
+        spectra = ["spectra"] if study.has_spectra else []
+        return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_of_knowledge(study), *_in_seas(study, OF_A_BODY)]
     names = ["mode_shapes"]
     if study.needs_bem:
         names = [*OF_THE_RESPONSE, *names, *OF_THE_WATER]
@@ -48,12 +50,6 @@ def of_buoy(study: Study) -> list[str]:
     if study.motion != "heave":  # in which no meridian stands for all of a shell
         per_wave = ("directions", *(name for name in per_wave if name != "shapes_3d"))
     return [*names, *_in_seas(study, per_wave)]
-
-
-def of_body(study: BodyStudy) -> list[str]:
-    """Return the names of the figures of a body's study."""
-    spectra = ["spectra"] if study.has_spectra else []
-    return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_of_knowledge(study), *_in_seas(study, OF_A_BODY)]
 
 
 def _of_knowledge(study: BaseStudy) -> list[str]:

@@ -54,12 +54,12 @@ class Modes(Section):
         Raises
         ------
         ConfigError
-            If it is to follow from the tolerance, as in `vsb.stages.planning.with_degree`.
+            If it is to follow from the tolerance, as in `vsb.pipeline.plans.with_degree`.
         """
         if self.degree is None:
             raise ConfigError(
                 f"modes.degree: received none, so it follows from modes.tolerance {self.tolerance:g}; needs the study "
-                "as `vsb.stages.planning.plan_of` returns it, or a degree"
+                "as `vsb.pipeline.plans.plan_of` returns it, or a degree"
             )
         return self.degree
 

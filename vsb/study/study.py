@@ -223,6 +223,11 @@ class BaseStudy(WithDesigns):
 
     @property
     @abstractmethod
+    def uses_panels(self) -> bool:
+        """Whether coefficients are solved on panels, which takes minutes."""
+
+    @property
+    @abstractmethod
     def directions(self) -> tuple[float, ...]:
         """Directions of its waves [degrees]; none where direction does not matter."""
 

@@ -1,8 +1,7 @@
 # The study, campaign or design problem, and its rules by name.
 from snakemake.exceptions import WorkflowError
 from vsb.pipeline.jobs import rules, shown
-from vsb.pipeline.tasks import products
-from vsb.stages.planning import planned
+from vsb.pipeline.plans import planned
 
 if not {"campaign", "design", "body", "device"} & set(config):
 

@@ -13,8 +13,8 @@ from vsb.engine.hydro.bodies.files import read_body
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
+from vsb.pipeline.plans import planned
 from vsb.stages.body_preview import check
-from vsb.study.plans import planned
 
 HOME = Path(__file__).parents[3]
 BARGE = HOME / "config" / "barge" / "barge.nc"

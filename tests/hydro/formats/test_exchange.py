@@ -168,11 +168,11 @@ def test_rotations_of_the_h5_file_are_about_the_centre_of_mass(ball, tmp_path, c
 
 
 def test_buoy_is_read_back_from_every_format(small, tmp_path):
-    own = load_database(small.database_path, small.database_path.split("/")[-1].removesuffix(".nc"))
-    exported(small.database_path, tmp_path, "buoy")
+    own = load_database(small.database.out, small.database.out.split("/")[-1].removesuffix(".nc"))
+    exported(small.database.out, tmp_path, "buoy")
     water = small.study.water
     found = {
-        "database": read_source("database", small.database_path, water),
+        "database": read_source("database", small.database.out, water),
         "wamit": read_source("wamit", str(tmp_path / "buoy"), water),
         "bemio": read_source("bemio", str(tmp_path / "buoy.h5"), water),
     }
@@ -187,7 +187,7 @@ def test_buoy_is_read_back_from_every_format(small, tmp_path):
 
 
 def test_netcdf_files_of_capytaine_are_recognised(small, tmp_path):
-    assert is_own(small.database_path)
+    assert is_own(small.database.out)
     dataset().to_netcdf(tmp_path / "theirs.nc")
     assert not is_own(str(tmp_path / "theirs.nc"))
     assert read_source("database", str(tmp_path / "theirs.nc"), Water()).attrs["source"] == "capytaine"

@@ -1,26 +1,56 @@
-"""The plan of a file, with the degree of its shell modes, which stands in every id."""
+"""The plan of any file: of a study of a buoy or of a body, of a campaign, or of a design problem."""
 
-import contextlib
-from collections.abc import Iterator
+import os
+from pathlib import PurePath
 from typing import Any, overload
 
 from vsb.errors import ConfigError
-from vsb.study import plans
-from vsb.study.campaign_plan import CampaignPlan
+from vsb.keys.reading import read_yaml
+from vsb.pipeline.campaign_plan import CampaignPlan
+from vsb.pipeline.design_plan import DesignPlan
+from vsb.pipeline.graph import BodyPlan, StudyPlan
+from vsb.study.body import is_body, located
+from vsb.study.campaign import is_campaign, read
 from vsb.study.degree import degree_needed
-from vsb.study.plan import BodyPlan, StudyPlan
-from vsb.study.plans import Plan
-from vsb.study.study import Study
+from vsb.study.design import is_design
+from vsb.study.design import read as read_design
+from vsb.study.study import Study, parse
 
+MESHES = {".stl", ".obj", ".ply", ".gdf", ".vtk", ".vtp", ".vtu", ".msh", ".step", ".stp", ".igs", ".iges"}
+"""Endings of files that hold a hull, not a study."""
 
-def plan_of(path: str, root: str = "results") -> Plan:
-    """Return the plan of a study file, of a buoy or of a body, or of a campaign file; see `with_degree`."""
-    return with_degree(plans.plan_of(path, root))
+Plan = StudyPlan | BodyPlan | CampaignPlan | DesignPlan
 
 
 def planned(raw: dict[str, Any], source: str) -> Plan:
     """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
-    return with_degree(plans.planned(raw, source))
+    own = {key: value for key, value in raw.items() if key != "root"}
+    return _plan(own, os.path.relpath(source), raw.get("root", "results"))
+
+
+def plan_of(path: str, root: str = "results") -> Plan:
+    """Return the plan of a study file, of a buoy or of a body, of a campaign file or of a design file.
+
+    `root` is the folder of all results; see `with_degree`.
+    """
+    if PurePath(path).suffix.lower() in MESHES:
+        raise ConfigError(
+            f"{path}: received a hull, needs a study of it: vsb init my.yaml --body writes one, in which mesh: "
+            f"{PurePath(path).name} names the hull"
+        )
+    return _plan(read_yaml(path, "a study file such as config/buoy.yaml"), path, root)
+
+
+def _plan(raw: object, source: str, root: str) -> Plan:
+    """The plan of what a file holds."""
+    if is_body(raw):
+        found = located(raw, os.path.relpath(source))
+        return BodyPlan(found.study, root=root, files=found.files)
+    if is_campaign(raw):
+        return with_degree(CampaignPlan(read(raw, source), root=root))
+    if is_design(raw):
+        return DesignPlan(read_design(raw, source), root=root)
+    return with_degree(StudyPlan(parse(raw, source=source), root=root))
 
 
 @overload
@@ -66,17 +96,6 @@ def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
         f"the full basis to about degree {needed(plan)}: what is left out is measured in the run and widens the "
         "intervals"
     ]
-
-
-@contextlib.contextmanager
-def load_advised(study: Study) -> Iterator[None]:
-    """Say in an error of a shell that does not carry its load what would carry it, tried now."""
-    try:
-        yield
-    except ConfigError as error:
-        from vsb.models.load_advice import advised  # only now: it imports what solves
-
-        raise advised(study, error) from None
 
 
 def _with(study: Study, degree: int) -> Study:

@@ -1,4 +1,4 @@
-"""What a campaign computes: members, batches, content ids and file names. Pure Python, read at every parse.
+"""The graph of a campaign: members and their batches, runs in time, all together. Pure Python, read at every parse.
 
 A member is one point of what is varied, over the whole year, every design and tuning inside it. Batches follow from the
 campaign's files alone, so that a dry run shows the true plan; within a batch finished members are kept.
@@ -9,14 +9,17 @@ import itertools
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from vsb.engine.integrators.settings import Simulation
+from vsb.engine.waves.scatter import read_scatter
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id
+from vsb.pipeline import costs
+from vsb.pipeline.graph import ID, BodyPlan, Graph, StudyPlan, Task, plan_for, task
 from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.campaign import (
@@ -26,6 +29,7 @@ from vsb.study.campaign import (
     POWER_IN_TIME,
     Constrained,
     LoadedCampaign,
+    Scatter,
     Tunings,
     any_study_at,
     leading_tuning,
@@ -33,7 +37,6 @@ from vsb.study.campaign import (
     sizes_hull,
     where_of,
 )
-from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, plan_for
 from vsb.study.specs import (
     BodySystem,
     BuoySystem,
@@ -50,19 +53,6 @@ from vsb.study.vary import Point
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
 """What a batch is to take at least, so that starting it, 2 s, does not count."""
-MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
-"""Of a member whose coefficients are there, of coefficients of a shape."""
-CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
-"""CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
-MATRICES_WITHIN_SECONDS = 150.0
-"""Of the damper matrices of a given rms force in each of these bins."""
-WITH_LOSSES = 5.0
-"""That with losses in conversion, over it: weights are found by repetition."""
-YEAR_MEGABYTES = 0.02
-"""Of a design's year under one tuning, power matrices and all."""
-OVER_BUDGET = 2.0
-"""CPU time of optima within limits over their budget, by which their number was chosen; measured 2.1 to 3 on a busy
-machine."""
 VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
     "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
@@ -148,8 +138,7 @@ def members_of(
 def _coefficients(study: AnyStudy) -> tuple[str, ...]:
     """Ids of the blocks of a buoy's shape, or of the database of a body."""
     plan = plan_for(study)
-    specs = plan.sweep_blocks if isinstance(plan, StudyPlan) else [plan.database]
-    return tuple(content_id(spec) for spec in specs)
+    return tuple(map(content_id, plan.sweep_blocks)) if isinstance(plan, StudyPlan) else (plan.database.id,)
 
 
 def _shape(study: AnyStudy) -> Hashable:
@@ -166,8 +155,8 @@ def _shape(study: AnyStudy) -> Hashable:
 
 
 @dataclass(frozen=True)
-class CampaignPlan(ResultsFolder):
-    """Everything a campaign needs computed, with content ids."""
+class CampaignPlan(Graph):
+    """Everything a campaign needs computed."""
 
     KIND = "campaign"
     loaded: LoadedCampaign
@@ -224,56 +213,105 @@ class CampaignPlan(ResultsFolder):
         """Members of each batch by its id: of as many each, those of one shape, take-off and thickness together."""
         ordered = sorted(self.members, key=_shared)
         shapes = len({one.spec.sweep for one in ordered})
-        seconds = self.member_seconds * len(ordered) + BLOCK_SECONDS * shapes
+        seconds = self.member_seconds * len(ordered) + costs.BLOCK_SECONDS * shapes
         count = min(MOST_BATCHES, len(ordered), math.ceil(seconds / BATCH_SECONDS))
         ends = [len(ordered) * i // count for i in range(count + 1)]
         batches = [ordered[first:last] for first, last in itertools.pairwise(ends)]
         return {content_id([one.id for one in some]): some for some in batches}
 
     @cached_property
-    def batches(self) -> dict[str, MembersSpec]:
-        """Specs of the batches by id."""
-        return {
-            name: MembersSpec(
+    def batches(self) -> dict[str, Task]:
+        """Batches by id: every design and tuning of their members over the year; finished members are kept."""
+        read, databases = {**self._read, "folder": f"{self.folder}/members"}, [one.database.out for one in self.bodies]
+        most = max(map(len, self.members_by_batch.values()))
+        minutes, made = 60 + math.ceil(self.member_seconds * most / 60), dict[str, Task]()
+        for name, some in self.members_by_batch.items():
+            spec = MembersSpec(
                 base=self.base,
                 points=tuple(one.point for one in some),
                 climate=self.climate,
                 tuning=self.loaded.tuning,
                 constrained=self.loaded.constrained,
             )
-            for name, some in self.members_by_batch.items()
-        }
+            out = f"{self.folder}/batches/{name}.nc"
+            made[name] = Task(
+                "members", spec, {**read, "out": out}, (out,), tuple(databases), name,
+                seconds=self._seconds(some), megabytes=2000 + 2 * self._megabytes(len(some)), minutes=minutes,
+            )  # fmt: skip
+        return made
+
+    @property
+    def _read(self) -> dict[str, str]:
+        """The file of its seas and the folder of all results, by option."""
+        return {"climate": self.loaded.climate_path, "root": self.root}
+
+    # what members take ----------------------------------------------------------------------------------------------
 
     @property
     def member_seconds(self) -> float:
         """Time a member takes once its coefficients are known [s]."""
         constrained, base = self.loaded.constrained, self.loaded.base
-        each = OVER_BUDGET * constrained.seconds if constrained else 0.0
+        each = costs.OVER_BUDGET * constrained.seconds if constrained else 0.0
         if {*AT_FORCE} & {*self.loaded.tuning}:
-            seconds = CAUSAL_AT_PORTS_SECONDS if base.pto.several else CAUSAL_YEAR_SECONDS
+            seconds = costs.CAUSAL_AT_PORTS_SECONDS if base.pto.several else costs.CAUSAL_YEAR_SECONDS
             if base.pto.several and base.pto.control.force_rms < math.inf:
-                seconds += MATRICES_WITHIN_SECONDS
-            each += seconds * (WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
-        return MEMBER_SECONDS + each * len(base.designs)
+                seconds += costs.MATRICES_WITHIN_SECONDS
+            each += seconds * (costs.WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
+        return costs.MEMBER_SECONDS + each * len(base.designs)
 
-    @property
-    def batch_minutes(self) -> int:
-        """What a batch may take [min]: an hour, and what its members are expected to take."""
-        most = max(map(len, self.members_by_batch.values()))
-        return 60 + math.ceil(self.member_seconds * most / 60)
-
-    def megabytes(self, points: int) -> int:
-        """Memory that the results of some points take, beside that of a process [MB]."""
-        return math.ceil(YEAR_MEGABYTES * points * len(self.loaded.base.designs) * len(self.loaded.tuning))
+    def _seconds(self, some: Sequence[Member]) -> float:
+        """CPU time of members [s]: their coefficients, their rest, their year."""
+        resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
+        shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
+        water = sum(costs.block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
+        each = costs.MEMBER_SECONDS + (self.member_seconds - costs.MEMBER_SECONDS) * self._part_of_bins
+        rests = len({one.spec.sweep for one in resting})
+        of_rests = costs.REST_SECONDS * rests + costs.SAME_REST_SECONDS * (len(resting) - rests)
+        return each * len(some) + of_rests + water
 
     @cached_property
-    def verifications(self) -> dict[str, VerificationSpec]:
-        """Specs of the runs in time of every member by id, in the order of the members; none without `verify`.
+    def _part_of_bins(self) -> float:
+        """How long control of a year takes over that of one with `BINS` bins: known of few cells of a scatter table."""
+        if self.loaded.constrained or not isinstance(self.loaded.campaign.climate, Scatter):
+            return 1.0
+        try:
+            cells = len(read_scatter(self.loaded.climate_path).hours)
+        except ConfigError:  # of a file that is gone, or other than it was: said where it is read for its seas
+            return 1.0
+        return costs.ONCE + (1 - costs.ONCE) * min(1.0, cells / costs.BINS)
+
+    def _megabytes(self, points: int) -> int:
+        """Memory that the results of some points take, beside that of a process [MB]."""
+        return math.ceil(costs.YEAR_MEGABYTES * points * len(self.loaded.base.designs) * len(self.loaded.tuning))
+
+    def seconds_left(self, some: Sequence[Task]) -> float:
+        """Return the CPU time of tasks whose files are not there [s]; finished members of a batch are kept."""
+        from vsb.tools.packed import packs
+
+        stored, seconds = packs(Path(self.folder, "members")), 0.0
+        for one in some:
+            batch = self.members_by_batch[one.id] if stored and one.stage == "members" else []
+            seconds += one.seconds * (sum(each.id not in stored for each in batch) / len(batch) if batch else 1.0)
+        return seconds
+
+    # runs in time, all together, report -----------------------------------------------------------------------------
+
+    @cached_property
+    def verifications(self) -> dict[str, Task]:
+        """The runs in time of every member by id, in the order of the members; none without `verify`.
 
         Raises `ConfigError` if the study's `simulation` cannot follow the model.
         """
+        memories = [one.radiation.out for one in self.bodies]
         found = [self._verification(one) for one in self.members] if self.loaded.campaign.verify else []
-        return {content_id(spec): spec for spec in found}
+        made = [
+            task(
+                "verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._read, needs=memories,
+                seconds=costs.verification_seconds(spec), megabytes=2000, minutes=240,
+            )
+            for spec in found
+        ]  # fmt: skip
+        return {one.id: one for one in made}
 
     def _verification(self, one: Member) -> VerificationSpec:
         """Spec of the runs in time of a member: its study by the better model, tolerance and method of the base."""
@@ -293,10 +331,10 @@ class CampaignPlan(ResultsFolder):
         return VerificationSpec(**parts | {"tuning": (leading_tuning(self.loaded.tuning),)})
 
     @cached_property
-    def campaign(self) -> CampaignSpec:
-        """Spec of the whole campaign."""
-        given = self.loaded.campaign
-        return CampaignSpec(
+    def campaign(self) -> Task:
+        """All members together: data and table."""
+        given, folder, members = self.loaded.campaign, self.folder, len(self.members)
+        spec = CampaignSpec(
             campaign=self.name,
             study=self.loaded.base.study,
             base=self.base,
@@ -308,53 +346,50 @@ class CampaignPlan(ResultsFolder):
             members=tuple(one.id for one in self.members),
             verifications=tuple(self.verifications),
         )
+        files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "manifest": self.manifest}
+        table, before = f"{folder}/campaign.csv", (*self.batches.values(), *self.verifications.values())
+        return task(
+            "campaign", spec, self.data_path, files=files | {"table": table}, makes=(self.data_path, table),
+            needs=[one.out for one in before], seconds=0.3 + 1e-3 * members, megabytes=2000 + self._megabytes(members),
+        )  # fmt: skip
+
+    @cached_property
+    def report(self) -> Task:
+        """The report of a campaign and its figures."""
+        whole, report = self.campaign, f"{self.folder}/report.html"
+        figures = figure_names.paths(self.folder, figure_names.of_campaign(whole.spec))
+        files = {**self._read, "figures": f"{self.folder}/figures", "manifest": self.manifest}
+        return task(
+            "campaign_report", whole.spec, report, {"data": whole}, files=files, makes=(report, *figures),
+            seconds=3.0 + 1e-3 * len(self.members), megabytes=whole.megabytes,
+        )  # fmt: skip
+
+    def _tasks(self) -> Iterator[Task]:
+        """Yield databases of bodies, batches of members, their runs in time, all of them together, the report."""
+        bodies = self.bodies
+        yield from {one.green.out: one.green for one in bodies if one.study.uses_panels}.values()
+        yield from (replace(one.solved_database(), on_the_way=True) for one in bodies)
+        yield from self.batches.values()
+        if self.verifications:
+            yield from (replace(one.radiation, on_the_way=True) for one in bodies)
+        yield from (*self.verifications.values(), self.campaign, self.report)
 
     @property
     def identity(self) -> str:
         """Id of what is made of all members together."""
-        return content_id(self.campaign)
-
-    @cached_property
-    def bodies(self) -> dict[str, BodyPlan]:
-        """Plans of the bodies of all points by the id of their database; none of a buoy."""
-        plans = (
-            BodyPlan(one.study, root=self.root, files=self.loaded.files)
-            for one in self.members
-            if isinstance(one.study, BodyStudy)
-        )
-        return {content_id(plan.database): plan for plan in plans}
-
-    # file names -----------------------------------------------------------------------------------------------------
-
-    def batch_path(self, batch: str) -> str:
-        """Results of the members of a batch."""
-        return f"{self.folder}/batches/{batch}.nc"
-
-    def verification_path(self, verification: str) -> str:
-        """What runs in time say about a member."""
-        return f"{self.folder}/verification/{verification}.nc"
-
-    @property
-    def verification_paths(self) -> list[str]:
-        """What runs in time say about all members."""
-        return [self.verification_path(one) for one in self.verifications]
+        return self.campaign.id
 
     @property
     def data_path(self) -> str:
         """All results."""
         return f"{self.folder}/campaign.nc"
 
-    @property
-    def table_path(self) -> str:
-        """All results as a tidy table."""
-        return f"{self.folder}/campaign.csv"
-
-    @property
-    def figure_paths(self) -> list[str]:
-        """Figures of the report."""
-        return figure_names.paths(self.folder, figure_names.of_campaign(self.campaign))
-
-    @property
-    def batch_paths(self) -> list[str]:
-        """Results of all batches."""
-        return [self.batch_path(batch) for batch in self.batches]
+    @cached_property
+    def bodies(self) -> list[BodyPlan]:
+        """Plans of the bodies of all points, those of one database once; none of a buoy."""
+        plans = (
+            BodyPlan(one.study, root=self.root, files=self.loaded.files)
+            for one in self.members
+            if isinstance(one.study, BodyStudy)
+        )
+        return [*{plan.database.id: plan for plan in plans}.values()]

@@ -1,5 +1,6 @@
-"""What a design problem computes: starts, Pareto fronts, content ids, file names. Pure Python, read at every parse."""
+"""The graph of a design problem: starts, Pareto fronts, runs in time, all together. Pure Python."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
@@ -7,9 +8,10 @@ from typing import Any
 
 from vsb.engine.integrators.settings import Simulation
 from vsb.keys.quantities import content_id
+from vsb.pipeline import costs
+from vsb.pipeline.graph import ID, Graph, Task, task
 from vsb.study import figure_names
 from vsb.study.design import LoadedDesign
-from vsb.study.plan import ResultsFolder
 from vsb.study.sections import DEGREES
 from vsb.study.specs import (
     ClimateSpec,
@@ -28,8 +30,8 @@ TABLES = (
 
 
 @dataclass(frozen=True)
-class DesignPlan(ResultsFolder):
-    """Everything a design problem needs computed, with content ids."""
+class DesignPlan(Graph):
+    """Everything a design problem needs computed."""
 
     KIND = "design"
     loaded: LoadedDesign
@@ -95,39 +97,54 @@ class DesignPlan(ResultsFolder):
             **self._kept_away,
         )
 
-    def _starts(self, search: Search) -> dict[str, DesignStartSpec]:
-        """Specs of the starts of a search by id; without variables there is one."""
+    def _starts(self, search: Search, seconds: float) -> dict[str, Task]:
+        """The starts of a search by id; without variables there is one."""
         problem = self.loaded.problem
-        count = problem.starts if search.variables else 1
-        found = [DesignStartSpec(search=search, seed=problem.seed, start=i) for i in range(count)]
-        return {content_id(spec): spec for spec in found}
+        specs = (
+            DesignStartSpec(search=search, seed=problem.seed, start=i)
+            for i in range(problem.starts if search.variables else 1)
+        )
+        out, read = f"{self.folder}/starts/{ID}.nc", self._climate_file
+        found = [task("design_start", spec, out, files=read, seconds=seconds, minutes=120) for spec in specs]
+        return {one.id: one for one in found}
 
     @cached_property
-    def starts(self) -> dict[str, DesignStartSpec]:
+    def starts(self) -> dict[str, Task]:
         """Starts of the flexible buoy by id."""
-        return self._starts(self.flexible)
+        return self._starts(self.flexible, costs.START_SECONDS)
 
     @cached_property
-    def rigid_starts(self) -> dict[str, DesignStartSpec]:
+    def rigid_starts(self) -> dict[str, Task]:
         """Starts of the rigid competitor by id."""
-        return self._starts(self.rigid)
+        return self._starts(self.rigid, costs.RIGID_START_SECONDS)
+
+    @property
+    def all_starts(self) -> list[Task]:
+        """Both."""
+        return [*self.starts.values(), *self.rigid_starts.values()]
 
     @cached_property
-    def fronts(self) -> dict[str, DesignFrontSpec]:
+    def fronts(self) -> dict[str, Task]:
         """Pareto fronts by id: for each limit that of the flexible buoy, then that of the rigid one."""
         found = []
         for limit, values in self.loaded.problem.pareto.items():
             for search, starts in ((self.flexible, self.starts), (self.rigid, self.rigid_starts)):
-                found.append(DesignFrontSpec(search=search, limit=limit, values=values, starts=tuple(starts)))
-        return {content_id(spec): spec for spec in found}
+                spec = DesignFrontSpec(search=search, limit=limit, values=values, starts=tuple(starts))
+                found.append(
+                    task(
+                        "design_front", spec, f"{self.folder}/fronts/{ID}.nc", files=self._begun,
+                        needs=[one.out for one in starts.values()], seconds=costs.START_SECONDS, minutes=240,
+                    )
+                )  # fmt: skip
+        return {one.id: one for one in found}
 
     @cached_property
-    def verification(self) -> DesignVerificationSpec | None:
-        """Runs in time of both buoys."""
+    def verification(self) -> Task | None:
+        """Runs in time of both buoys; none without `verify`."""
         if not (verify := self.loaded.problem.verify):
             return None
         given = self.loaded.base.simulation
-        return DesignVerificationSpec(
+        spec = DesignVerificationSpec(
             flexible=self.flexible,
             rigid=self.rigid,
             verify=verify,
@@ -135,12 +152,16 @@ class DesignPlan(ResultsFolder):
             starts=tuple(self.starts),
             rigid_starts=tuple(self.rigid_starts),
         )
+        return task(
+            "design_verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._begun | {"root": self.root},
+            needs=[one.out for one in self.all_starts], seconds=60.0, minutes=600, megabytes=2000,
+        )  # fmt: skip
 
     @cached_property
-    def design(self) -> DesignSpec:
-        """Spec of the whole problem."""
-        problem, verification = self.loaded.problem, self.verification
-        return DesignSpec(
+    def design(self) -> Task:
+        """The whole problem: all tables."""
+        problem, verification, folder = self.loaded.problem, self.verification, self.folder
+        spec = DesignSpec(
             name=self.name,
             study=self.loaded.base.study,
             climate_name=PurePosixPath(problem.climate.file).name.partition(".")[0],
@@ -151,47 +172,50 @@ class DesignPlan(ResultsFolder):
             fronts=tuple(self.fronts),
             pareto=tuple(problem.pareto),
             uncertain=problem.uncertain,
-            verification=content_id(verification) if verification else None,
+            verification=verification.id if verification else None,
             runs=self.loaded.base.model_dump(include={"waves", "simulation"}, exclude_none=True),
             notes=tuple(self.loaded.notes),
         )
+        made = [f"{folder}/{name}" for name in TABLES]
+        before = [*self.all_starts, *self.fronts.values(), *([verification] if verification else [])]
+        files = {"fronts": f"{folder}/fronts", "verifications": f"{folder}/verification", "folder": folder}
+        return Task(
+            "design_results", spec, self._begun | files | {"manifest": self.manifest}, tuple(made),
+            tuple(one.out for one in before), content_id(spec), seconds=8.0, megabytes=2000,
+        )  # fmt: skip
+
+    @cached_property
+    def report(self) -> Task:
+        """The report of the problem and its figures."""
+        spec, report = self.design.spec, f"{self.folder}/report.html"
+        figures = figure_names.paths(self.folder, figure_names.of_design(spec))
+        files = {"data": self.data_path, "figures": f"{self.folder}/figures", "manifest": self.manifest}
+        return task(
+            "design_report", spec, report, files=files, makes=(report, *figures), needs=(self.data_path,),
+            seconds=3.0, megabytes=2000,
+        )  # fmt: skip
+
+    def _tasks(self) -> Iterator[Task]:
+        """Yield starts, Pareto fronts and runs in time from them, all of them together, the report."""
+        yield from (*self.all_starts, *self.fronts.values())
+        yield from filter(None, (self.verification, self.design, self.report))
+
+    @property
+    def _climate_file(self) -> dict[str, str]:
+        """The file of its seas, by option."""
+        return {"climate": self.loaded.climate_path}
+
+    @property
+    def _begun(self) -> dict[str, str]:
+        """What follows the starts: the file of its seas and where they ended, by option."""
+        return {**self._climate_file, "starts": f"{self.folder}/starts"}
 
     @property
     def identity(self) -> str:
         """Id of what is made of all starts together."""
-        return content_id(self.design)
-
-    # file names -----------------------------------------------------------------------------------------------------
-
-    def start_path(self, start: str) -> str:
-        """Where one start ended."""
-        return f"{self.folder}/starts/{start}.nc"
-
-    def front_path(self, front: str) -> str:
-        """A Pareto front."""
-        return f"{self.folder}/fronts/{front}.nc"
+        return self.design.id
 
     @property
-    def start_paths(self) -> list[str]:
-        """Where all starts ended."""
-        return [self.start_path(start) for start in (*self.starts, *self.rigid_starts)]
-
-    @property
-    def front_paths(self) -> list[str]:
-        """All Pareto fronts."""
-        return [self.front_path(front) for front in self.fronts]
-
-    @property
-    def verification_paths(self) -> list[str]:
-        """What runs in time say; none without `verify`."""
-        return [f"{self.folder}/verification/{content_id(self.verification)}.nc"] if self.verification else []
-
-    @property
-    def tables(self) -> dict[str, str]:
-        """Results made of all starts together, by name."""
-        return {name: f"{self.folder}/{name}" for name in TABLES}
-
-    @property
-    def figure_paths(self) -> list[str]:
-        """Figures of the report."""
-        return figure_names.paths(self.folder, figure_names.of_design(self.design))
+    def data_path(self) -> str:
+        """All results."""
+        return f"{self.folder}/design.nc"

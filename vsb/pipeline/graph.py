@@ -1,0 +1,667 @@
+"""The graph of a study: each stage with what it reads, its files, its id and its costs, told once. Pure Python.
+
+The rules of the workflow, a run in one process, a dry run and the ids that files must carry all follow from its tasks.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import Any, ClassVar, NamedTuple
+
+from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
+from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
+from vsb.engine.hydro.panel_solver import panel_solver
+from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
+from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, Wave
+from vsb.keys.quantities import content_id, result_id
+from vsb.pipeline import costs
+from vsb.study import figure_names
+from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, witness_spec
+from vsb.study.body import Body, BodyStudy, wamit_files
+from vsb.study.specs import (
+    AnySystem,
+    Band,
+    BodySpec,
+    BodySystem,
+    BuoySystem,
+    CompareSpec,
+    DatabaseSpec,
+    DisplaySpec,
+    Dynamics,
+    FrequenciesSpec,
+    LadderSpec,
+    ModesSpec,
+    PanelsSpec,
+    RadiationSpec,
+    ResponseSpec,
+    SimulateSpec,
+)
+from vsb.study.study import BaseStudy, Study
+
+
+class Stage(NamedTuple):
+    """What a task may do: the function `run_STAGE` of a module of `vsb.stages`."""
+
+    rule: str  # of the workflow whose jobs do it
+    module: str
+    words: str
+
+
+STAGES = {
+    "modes": Stage("modes", "shell", "shell modes"),
+    "display": Stage("meshes", "shell", "the shell deformed by each mode"),
+    "green": Stage("green", "panels", "Green-function table of the panels"),
+    "mesh": Stage("mesh", "panels", "mean wetted mesh"),
+    "panels": Stage("panels", "panels", "a block of frequencies by panels"),
+    "spectral": Stage("spectral", "water", "all frequencies by the spectral solver"),
+    "deformed": Stage("cross_check", "panels", "meshes of the shell deformed by each mode"),
+    "witness": Stage("cross_check", "panels", "panels and spectral solver on the deformed shells"),
+    "frequencies": Stage("frequencies", "coefficients", "frequencies of the body"),
+    "coefficients": Stage("coefficients", "coefficients", "hydro database of the body"),
+    "database": Stage("database", "water", "hydro database"),
+    "radiation": Stage("database", "frequency", "radiation memory"),
+    "response": Stage("response", "frequency", "frequency response"),
+    "ladder": Stage("response", "frequency", "control levels"),
+    "simulate": Stage("simulate", "simulate", "motion in time"),
+    "compare": Stage("results", "compare", "comparison and doubts"),
+    "figures": Stage("results", "report", "figures"),
+    "report": Stage("results", "report", "report"),
+    "members": Stage("members", "campaign", "points over the year"),
+    "verification": Stage("verification", "verification", "seas of the year in time"),
+    "campaign": Stage("campaign", "campaign", "all points together"),
+    "campaign_report": Stage("campaign", "campaign_report", "report"),
+    "design_start": Stage("design_start", "design", "a search from one start"),
+    "design_front": Stage("design_front", "design", "the best over the values of a limit"),
+    "design_verification": Stage("design_verification", "design_verification", "the best buoys in time"),
+    "design_results": Stage("design_results", "design_results", "the best buoys together"),
+    "design_report": Stage("design_results", "design_report", "report"),
+}
+"""Stages in the order of the chain; the radiation memory of a body is made with its database."""
+ID = "{id}"
+"""Stands for the id of a task in the name of its file."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One stage at work."""
+
+    stage: str
+    spec: Any  # what it computes from; None of a stage without specification
+    files: Mapping[str, str]  # by parameter of its function `run_STAGE`
+    makes: tuple[str, ...]
+    needs: tuple[str, ...] = ()  # files of other tasks; those of users stand in its specification by their contents
+    id: str = ""  # content id that the files it makes carry; none of the Green-function table
+    on_the_way: bool = False  # made for other tasks, and not missed once what these make is there
+    seconds: float = 0.15  # CPU time it takes, without the start of a process
+    megabytes: int = 1000
+    minutes: int = 30
+
+    @property
+    def out(self) -> str:
+        """The file it makes, of several the first."""
+        return self.makes[0]
+
+    @property
+    def words(self) -> str:
+        """What it does, and of several of its kind which."""
+        which = PurePosixPath(self.out).stem if self.stage == "simulate" else ""
+        return f"{STAGES[self.stage].words}{which and f' {which}'}"
+
+    @property
+    def handed(self) -> dict[str, Any]:
+        """What a process of its own is handed over."""
+        names = ("stage", "id", "spec", "files", "makes")
+        return {name: getattr(self, name) for name in names}
+
+
+def task(
+    stage: str,
+    spec: Any,
+    out: str,
+    reads: Mapping[str, Task] | None = None,
+    *,
+    needs: Sequence[str] = (),
+    files: Mapping[str, str] | None = None,
+    makes: Sequence[str] = (),
+    stamps: Sequence[Task] = (),
+    **options: Any,
+) -> Task:
+    """Return a task whose id follows from its specification and what it follows.
+
+    Parameters
+    ----------
+    out : str
+        Path of the file it makes, or their folder; `ID` in it is replaced by the id.
+    reads : mapping of str to Task, optional
+        Tasks it follows by the option that names their file.
+    needs, files, makes : optional
+        Further files it needs; further options; the files it makes, if not `out` alone.
+    stamps : sequence of Task
+        Those it follows that its specification does not name by their ids.
+    """
+    identity = result_id(spec, *(one.id for one in stamps))
+    read = {name: one.out for name, one in (reads or {}).items()}
+    out = out.replace(ID, identity)
+    named = {name: path.replace(ID, identity) for name, path in (files or {}).items()}
+    made = tuple(path.replace(ID, identity) for path in makes) or (out,)
+    return Task(stage, spec, {**read, **named, "out": out}, made, (*read.values(), *needs), identity, **options)
+
+
+def due(ordered: Sequence[Task], targets: Collection[str], stale: Collection[str] = ()) -> list[Task]:
+    """Return the tasks that make what is wanted and missing or stale: targets, and what other such tasks need."""
+    wanted, found = set(targets), []
+    for one in reversed(ordered):
+        if any(path in wanted and (path in stale or not Path(path).exists()) for path in one.makes):
+            found.append(one)
+            wanted.update(one.needs)
+    return found[::-1]
+
+
+def database_path(root: str, identity: str) -> str:
+    """Return the path of a hydro database."""
+    return f"{root}/hydro/db/{identity}.nc"
+
+
+def radiation_path(root: str, identity: str) -> str:
+    """Return the path of a radiation model."""
+    return f"{root}/hydro/radiation/{identity}.nc"
+
+
+def trajectory_name(design: str, wave: str) -> str:
+    """Return the file name of the time series of one design in one sea."""
+    return f"{design}-{wave}.nc"
+
+
+class Graph(ABC):
+    """What a study, a campaign or a design problem computes, and where its results lie."""
+
+    KIND: ClassVar[str] = "study"
+    root: str  # of all results
+
+    @property
+    @abstractmethod
+    def identity(self) -> str:
+        """Id of what is made of all results together: tables, figures, report."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name of the study, campaign or design problem."""
+
+    @abstractmethod
+    def _tasks(self) -> Iterator[Task]:
+        """Yield its tasks, each after those whose files it needs."""
+
+    @cached_property
+    def tasks(self) -> tuple[Task, ...]:
+        """Its tasks, each after those whose files it needs."""
+        return tuple(self._tasks())
+
+    @property
+    def products(self) -> list[str]:
+        """All files a run of it promises."""
+        return [path for one in self.tasks if not one.on_the_way for path in one.makes]
+
+    @property
+    def file_ids(self) -> dict[str, str]:
+        """The content id that every file of it must carry, those made on the way included."""
+        return {path: one.id for one in self.tasks if one.id for path in one.makes}
+
+    @property
+    def folder(self) -> str:
+        """Folder of its own results."""
+        return f"{self.root}/{self.name}"
+
+    @property
+    def manifest(self) -> str:
+        """Stamps of products that are no netCDF files."""
+        return f"{self.folder}/manifest.json"
+
+    def is_shared(self, path: str) -> bool:
+        """Whether studies share a file."""
+        return path.startswith(f"{self.root}/hydro/")
+
+    def seconds_left(self, some: Sequence[Task]) -> float:
+        """Return the CPU time of tasks whose files are not there [s]."""
+        return sum(one.seconds for one in some)
+
+    @property
+    def green(self) -> Task:
+        """The Green-function table of panels."""
+        folder = f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
+        files, out = {"folder": folder}, f"{folder}.done"
+        return Task("green", None, {**files, "out": out}, (out,), on_the_way=True, seconds=costs.GREEN_SECONDS)
+
+
+class ResultsPlan(Graph):
+    """What a study of a buoy or of a body computes."""
+
+    study: BaseStudy
+
+    @property
+    def modes(self) -> Task | None:
+        """Shapes of the shell modes; none of a body, whose own files hold those of its motions."""
+        return None
+
+    @property
+    def witness(self) -> Task | None:
+        """What two solvers say of the same shapes; none without a second solver."""
+        return None
+
+    @property
+    @abstractmethod
+    def database(self) -> Task:
+        """The hydro database."""
+
+    @abstractmethod
+    def system(self, *names: str, **changed: Any) -> AnySystem:
+        """What floats, as a stage reads it: sections beyond those of every stage by name, others changed."""
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> int:
+        """How many degrees of freedom a run may record."""
+
+    @property
+    @abstractmethod
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+
+    @abstractmethod
+    def _water(self) -> Iterator[Task]:
+        """Yield what comes before motion: shell modes, coefficients of the water, the hydro database."""
+
+    def _tasks(self) -> Iterator[Task]:
+        yield from self._water()
+        if self.study.needs_bem:
+            yield from (self.radiation, self.response, self.ladder)
+        yield from self.runs
+        yield from self._answers()
+
+    # frequency domain -----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def radiation(self) -> Task:
+        """The radiation memory of the hydro database."""
+        hydro, memory = self.study.hydro, {} if self.study.buoy else {"added_mass_inf": self.study.hydro.added_mass_inf}
+        spec = RadiationSpec(database=self.database.id, tolerance=hydro.tolerance, **memory)
+        read, out = {"database": self.database}, radiation_path(self.root, ID)
+        return task("radiation", spec, out, read, seconds=costs.MEMORY_SECONDS)
+
+    @cached_property
+    def response(self) -> Task:
+        """The frequency response."""
+        grid = self._response_grid
+        omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)} | {*grid.pop("omega", ())}
+        spec = ResponseSpec(system=self.system(), omega=tuple(sorted(omega)), directions=self.study.directions, **grid)
+        read, out = {"database": self.database}, f"{self.folder}/response.nc"
+        return task("response", spec, out, read, stamps=(self.database,), seconds=0.8)
+
+    @property
+    def _response_grid(self) -> dict[str, Any]:
+        """Grid of the frequency response, if it is not that of the database, and frequencies the study asks for."""
+        return {}
+
+    @cached_property
+    def ladder(self) -> Task:
+        """The control levels; nothing is followed in time, so the method of the study does not matter."""
+        study, simulation = self.study, self.study.simulation.model_copy(update={"method": "auto"})
+        modes = {"modes": study.buoy.modes} if study.buoy else {}
+        hydro = {"hydro": Band(omega_max=study.hydro.omega_max)} if study.buoy else {}
+        system = self.system("reference_shape", "drag", **modes)
+        table, levels = f"{self.folder}/ladder.csv", f"{self.folder}/ladder.json"
+        return task(
+            "ladder", LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro), table,
+            {"database": self.database}, stamps=(self.database,), makes=(table, levels),
+            files={"levels": levels, "manifest": self.manifest}, seconds=costs.ladder_seconds(study),
+        )  # fmt: skip
+
+    # time domain ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _solved(self) -> dict[str, Task]:
+        """What the time domain reads, by the option that names it; nothing without coefficients of the water."""
+        return {"database": self.database, "radiation": self.radiation} if self.study.needs_bem else {}
+
+    @property
+    def hydro_files(self) -> dict[str, str]:
+        """The files of that."""
+        return {name: one.out for name, one in self._solved.items()}
+
+    def simulation(self, design: str, wave: Wave) -> Task:
+        """Return a run in time; of its take-off it reads only the damper of this design, or how to tune it."""
+        study = self.study
+        tuning = study.pto.tuning if study.pto.damping is None else study.tuning(wave)  # a year's members lie still
+        damping = study.pto.damper(design) if tuning == "fixed" else None
+        pto = study.pto.model_copy(update={"damping": damping, "tuning": tuning})
+        dynamics = study.hydro.model_dump(include=set(Dynamics.model_fields)) if study.buoy else {}
+        spec = SimulateSpec(
+            system=self.system("reference_shape", "drag", designs={design: study.designs[design]}, pto=pto),
+            simulation=study.simulation,
+            waves=(wave,),
+            seas=study.one_of_each_sea if tuning == "one" else (),
+            **({"hydro": Dynamics(**dynamics)} if dynamics else {}),
+        )
+        solved, out = self._solved, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
+        seconds = costs.run_seconds(study, wave, flexible=study.designs[design].flexible)
+        memory = self.simulation_megabytes(wave)
+        return task("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
+
+    @cached_property
+    def runs(self) -> tuple[Task, ...]:
+        """One run in time per design and sea."""
+        return tuple(self.simulation(design, wave) for wave in self.study.waves for design in self.study.designs)
+
+    def record_megabytes(self, wave: Wave) -> int:
+        """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
+        duration = self.study.simulation.duration
+        instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
+        return math.ceil(8e-6 * (9 * self.coordinates + 10) * instants / thinning(instants + 1))
+
+    def simulation_megabytes(self, wave: Wave) -> int:
+        """Memory of a run in a sea [MB]: three times its record, one leg, and the components of the sea."""
+        band = self.highest if isinstance(wave, IrregularSea) else 0.0
+        length = wave.file.length if isinstance(wave, RecordedSea) else self.study.simulation.duration
+        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * length)
+
+    # tables, figures, report ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def compare(self) -> Task:
+        """The comparison of the whole study, whose id all have that is made of all results; designs in any order."""
+        study, folder, solved = self.study, self.folder, self._solved
+        levels = (self.response, self.ladder) if study.needs_bem else ()
+        ordered = [self.simulation(design, wave) for wave in study.waves for design in sorted(study.designs)]
+        stamps = [one for one in (self.modes, *solved.values(), self.witness, *levels, *ordered) if one]
+        files = self._read | {
+            "statistics": f"{folder}/statistics.csv",
+            "validity": f"{folder}/validity.json",
+            "study": f"{folder}/study.json",
+            "tables": f"{folder}/tables.json",
+        }
+        needs, out = [one.out for one in (*self.solved.values(), *self.runs)], f"{folder}/comparison.csv"
+        if study.needs_bem:
+            files["levels"] = self.ladder.files["levels"]
+            needs.append(files["levels"])
+        made = (out, *(files[name] for name in ("statistics", "validity", "study", "tables")))
+        once, each = costs.COMPARED_SECONDS
+        return task(
+            "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
+            seconds=once + each * len(self.runs), megabytes=self._study_megabytes,
+        )  # fmt: skip
+
+    @property
+    def solved(self) -> dict[str, Task]:
+        """What there is beside runs in time for tables and figures, by the option that names it."""
+        further = {"response": self.response if self.study.needs_bem else None, "witness": self.witness}
+        return self._solved | {name: one for name, one in further.items() if one}
+
+    @property
+    def _read(self) -> dict[str, str]:
+        """What tables, figures and report read, by option."""
+        stored = {name: one.out for name, one in self.solved.items()}
+        return stored | {"trajectories": f"{self.folder}/trajectories", "manifest": self.manifest}
+
+    def _answers(self) -> Iterator[Task]:
+        """Yield tables, figures, report."""
+        yield (compared := self.compare)
+        folder, whole, memory = self.folder, self.identity, self._study_megabytes
+        modes = {"modes": self.modes.out} if self.modes else {}
+        files, figures = self._read | modes, tuple(figure_names.paths(folder, figure_names.of_study(self.study)))
+        needs = (*(one.out for one in (*self.solved.values(), *self.runs)), *modes.values())
+        seconds, drawn = costs.FIGURE_SECONDS * len(figures), files | {"out": f"{folder}/figures"}
+        yield Task("figures", self.study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
+        report, tables = f"{folder}/report.html", compared.files["tables"]
+        files |= {"tables": tables, "figures": f"{folder}/figures", "out": report}
+        once, each = costs.REPORTED_SECONDS
+        needs, seconds = (*needs, tables, *figures), once + each * len(self.runs)
+        yield Task("report", self.study, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
+
+    @property
+    def _study_megabytes(self) -> int:
+        """Memory of the time series of all designs in a sea at once [MB], and of drawing them."""
+        largest = max(self.record_megabytes(wave) for wave in self.study.waves)
+        return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
+
+    @property
+    def identity(self) -> str:
+        """Id of what is made of all results together: tables, figures, report."""
+        return self.compare.id
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return self.study.study
+
+
+@dataclass(frozen=True)
+class StudyPlan(HydroPlan, ResultsPlan):
+    """Everything a study of a buoy needs computed."""
+
+    root: str = "results"
+
+    def system(self, *names: str, **changed: Any) -> BuoySystem:
+        """The buoy, as a stage reads it."""
+        every = ("device", "water", "motion", "mooring", "modes", "designs", "pto", *names)
+        return BuoySystem(**self._sections(*every) | changed)
+
+    def _sections(self, *names: str) -> dict[str, Any]:
+        """Sections of the study a stage reads."""
+        found = {name: getattr(self.study, name) for name in names}
+        return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
+
+    @cached_property
+    def modes(self) -> Task:
+        """The shell modes."""
+        names = ("device", "modes", "reference_shape", "designs", "water", "motion", "mooring")
+        return task("modes", ModesSpec(**self._sections(*names)), f"{self.folder}/modes.nc")
+
+    @cached_property
+    def display(self) -> Task:
+        """Viewable meshes: the mean wetted shell, and one per axisymmetric mode and sign; studies share them."""
+        modes, folder = self._modes and self._modes.model_copy(update={"order": 1}), f"{self.root}/hydro/mesh/{ID}"
+        spec = DisplaySpec(modes=modes, **self._sections("device", "water", "reference_shape"))
+        shapes = [f"{folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
+        return task("display", spec, folder, makes=shapes, files={"manifest": f"{folder}/manifest.json"})
+
+    def block_path(self, spec: BlockSpec) -> str:
+        """Coefficients of a block of frequencies."""
+        return f"{self.root}/hydro/blocks/{content_id(spec)}.nc"
+
+    def blocks(self) -> Iterator[Task]:
+        """Yield all blocks of frequencies, of this shape at least; by panels with their meshes and the table."""
+        every, out = self.bem_blocks.values(), f"{self.root}/hydro/blocks/{ID}.nc"
+        if self.study.uses_panels:
+            yield self.green
+        meshes = {
+            content_id(one.mesh): task("mesh", one.mesh, f"{self.root}/hydro/mesh/{ID}/mean.nc", on_the_way=True)
+            for one in every
+            if isinstance(one, PanelsSpec)
+        }
+        yield from meshes.values()
+        for block in every:
+            seconds = costs.block_seconds(block)
+            if isinstance(block, PanelsSpec):
+                read, files = {"mesh": meshes[content_id(block.mesh)]}, {"green": self.green.files["folder"]}
+                needs = (self.green.out,)
+                yield task("panels", block, out, read, files=files, needs=needs, on_the_way=True, seconds=seconds)
+            else:
+                yield task("spectral", block, out, on_the_way=True, seconds=seconds)
+
+    @cached_property
+    def deformed(self) -> Task | None:
+        """Meshes the second solver is asked about: the mean wetted shell, and one for each of its modes and signs."""
+        if no_witness(self.study):
+            return None
+        spec, folder = witness_spec(self).meshes, f"{self.root}/hydro/mesh/{ID}"
+        meshes = [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(spec.deformed))]
+        return task("deformed", spec, folder, makes=meshes)
+
+    @cached_property
+    def witness(self) -> Task | None:
+        """What two solvers say of the same shapes; none without a second solver (`vsb.study.blocks`)."""
+        if not (deformed := self.deformed):
+            return None
+        spec, meshes = witness_spec(self), deformed.makes
+        return task(
+            "witness", spec, f"{self.root}/hydro/witness/{ID}.nc", files={"meshes": deformed.files["out"]},
+            needs=meshes, seconds=costs.witness_seconds(len(meshes), spec),
+        )  # fmt: skip
+
+    @cached_property
+    def database(self) -> Task:
+        """The hydro database: the blocks in terms of the shell modes."""
+        hydro = self.study.hydro
+        spec = DatabaseSpec(
+            sweep=tuple(map(content_id, self.sweep_blocks)),
+            tabulated=tuple(map(content_id, self.tabulated_blocks)),
+            omega=hydro.omega,
+            omega_max=self.highest_omega,
+            modes=self._modes,
+            tolerance=hydro.tolerance,
+            accept=tuple(sorted(hydro.accept)),
+            **self._sections("device", "reference_shape", "water", "motion", "mooring"),
+        )
+        blocks = f"{self.root}/hydro/blocks"
+        needs = [f"{blocks}/{name}.nc" for name in self.bem_blocks]
+        return task("database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs)
+
+    def _water(self) -> Iterator[Task]:
+        """Yield shell modes and viewable meshes; coefficients of the water, their cross-check and the database."""
+        yield from (self.modes, self.display)
+        if self.study.needs_bem:
+            yield from self.blocks()
+            yield from filter(None, (self.deformed, self.witness))
+            yield self.database
+
+    @property
+    def _response_grid(self) -> dict[str, Any]:
+        """Grid of the frequency response, and frequencies the study asks for, of those solved."""
+        hydro, first = self.study.hydro, self.first_omega
+        asked = [omega for omega in hydro.omega if omega >= first]
+        return {"step": self.step, "lowest": first, "omega_max": hydro.omega_max, "omega": asked}
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+        return self.study.hydro.omega_max
+
+
+def _either_sign(modes: tuple[str, ...]) -> list[str]:
+    """Names of the shapes deformed by modes."""
+    return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]
+
+
+_MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
+
+
+@dataclass(frozen=True)
+class BodyPlan(ResultsPlan):
+    """Everything a study of a body needs computed; files are where its contents lie."""
+
+    study: BodyStudy
+    root: str = "results"
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def database(self) -> Task:
+        """The hydro database, solved or read; how long that takes is known where its files are."""
+        study, solved = self.study, self.study.uses_panels
+        spec = BodySpec(
+            body=study.body,
+            water=study.water,
+            dofs=study.dofs,
+            omega_max=study.hydro.omega_max,
+            accept=tuple(sorted(study.hydro.accept)),
+            repair=tuple(sorted(study.hydro.repair)),
+            solver=panel_solver() if solved else "",
+            solved=PHYSICS if solved else 0,
+        )
+        return task("coefficients", spec, database_path(self.root, ID), files=self.sources, needs=self.inputs)
+
+    def solved_database(self, apart: Sequence[Task] = ()) -> Task:
+        """Return the same with what it takes, beside which frequencies are solved apart."""
+        if not isinstance(file := self.study.body.file, BodyFile):
+            return replace(self.database, seconds=0.5, megabytes=4000)
+        memory, minutes = solve_resources(file, self.files)
+        matrices = costs.matrices_seconds(file, panel_count(file, self.files))
+        seconds, needs = costs.body_seconds(file, matrices), (*self.inputs, *(one.out for one in apart))
+        seconds = 1.0 if apart else seconds
+        return replace(self.database, needs=needs, seconds=seconds, megabytes=memory, minutes=minutes)
+
+    def _water(self) -> Iterator[Task]:
+        """Yield what makes the hydro database, solved or read."""
+        apart = list[Task]()
+        if isinstance(file := self.study.body.file, BodyFile):
+            yield self.green
+            apart += frequencies(file, self.sources, self.inputs, f"{self.root}/hydro/bodies")
+        yield from (*apart, self.solved_database(apart))
+
+    def system(self, *names: str, **changed: Any) -> BodySystem:
+        """The body, as a stage after its database reads it."""
+        study, dragged = self.study, {"drag": self.study.drag} if "drag" in names and self.study.drag else {}
+        return BodySystem(**{"designs": study.designs, "water": study.water, "pto": study.pto} | dragged | changed)
+
+    @property
+    def coordinates(self) -> int:
+        """How many degrees of freedom a run may record."""
+        return len(self.study.dofs or ()) or _MOST_MOTIONS
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+        return self.study.body.file.omega[-1] if isinstance(self.study.body.file, BodyFile) else _HIGHEST
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """What the database is made from beside its spec, by option: the body's files, and where a mesh is solved."""
+        if not self.study.uses_panels:
+            return {**self.files}
+        return {**self.files, "folder": f"{self.root}/hydro/bodies", "green": self.green.files["folder"]}
+
+    @property
+    def inputs(self) -> list[str]:
+        """Files the database is made from."""
+        each = [wamit_files(path)[:3] if kind == "wamit" else [path] for kind, path in self.files.items()]
+        files = [path for paths in each for path in paths]
+        return [*files, self.green.out] if self.study.uses_panels else files
+
+
+def frequencies(
+    file: BodyFile, sources: Mapping[str, str], inputs: Sequence[str], folder: str | Path
+) -> Iterator[Task]:
+    """Return tasks that solve the frequencies of a body, if they take long; none of an adaptive sweep is known.
+
+    Parameters
+    ----------
+    file : BodyFile
+    sources : mapping of str
+        Paths of the files of the body, by key; where blocks and the Green function's table are.
+    inputs : sequence of str
+        Files they need.
+    folder : str or Path
+        Where it is noted that they are solved.
+    """
+    memory, minutes = solve_resources(file, sources)
+    seconds = costs.body_seconds(file, costs.matrices_seconds(file, panel_count(file, sources)))
+    most = min(len(file.omega), costs.MOST_OF_FREQUENCIES)
+    count = min(most, int(seconds / costs.FREQUENCIES_SECONDS)) if file.tolerance is None else 0
+    for first in range(count if count > 1 else 0):
+        omega = (*file.omega, math.inf)[first::count]
+        spec = FrequenciesSpec(body=Body(file=file), omega=omega, solver=panel_solver(), solved=PHYSICS)
+        out = f"{folder}/{content_id(spec)}.done"
+        yield Task(
+            "frequencies", spec, {**sources, "out": out}, (out,), tuple(inputs), on_the_way=True,
+            seconds=seconds * len(omega) / len(file.omega), megabytes=memory, minutes=minutes,
+        )  # fmt: skip
+
+
+AnyPlan = StudyPlan | BodyPlan
+
+
+def plan_for(study: Study | BodyStudy, root: str = "results") -> AnyPlan:
+    """Return the plan of a study whose files, if it is of a body, need not be found: names and ids are known by it."""
+    return BodyPlan(study, root=root) if isinstance(study, BodyStudy) else StudyPlan(study, root=root)
