@@ -15,11 +15,9 @@ from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.quantities import Section
 from vsb.keys.reading import nearest
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.jobs import RULES
-from vsb.pipeline.plans import plan_of, with_degree
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of, with_degree
 from vsb.stages.check import summary
 from vsb.stages.init import init, init_body, init_campaign, init_design
 from vsb.stages.run import ERROR, check_name, cores, run

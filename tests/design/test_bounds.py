@@ -20,8 +20,8 @@ from vsb.design.optimise import left_out
 from vsb.design.problem import IMPOSSIBLE, POWER
 from vsb.design.year import FrequencyGrid
 from vsb.models.further_modes import reach_of_modes
-from vsb.study.degree import expected_change
 from vsb.study.design import load_design
+from vsb.study.resolution import expected_change
 from vsb.study.sections import DEGREES
 
 CONFIG = Path(__file__).parents[2] / "config"

@@ -18,8 +18,7 @@ from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.study import Study
-from vsb.study.unlikely import unlikely_units
+from vsb.study.study import Study, unlikely_units
 from vsb.tools.shipped import HOME
 
 

@@ -13,7 +13,7 @@ from vsb.models.build import TUNED, body_exact_design, linear_design
 from vsb.models.drag import LINEARISED, coefficients, flow
 from vsb.pipeline.graph import StudyPlan
 from vsb.results.ladder import CAUSAL, SAME_FORCE, study_ladder
-from vsb.study.drag import Drag
+from vsb.study.sections import Drag
 from vsb.study.study import parse
 
 WAVE = {"kind": "regular", "amplitude": 0.5, "period": 4.0}

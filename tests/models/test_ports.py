@@ -11,7 +11,7 @@ from vsb.engine.motion.port import port_direction
 from vsb.engine.shell.orders import semi_normalisation, semi_normalised
 from vsb.models.ports import ShapeWater, buoy_at, shell_shapes
 from vsb.models.rest import design_motions, order_bases, reference_shell
-from vsb.study.blocks import HydroPlan
+from vsb.study.resolution import HydroPlan
 
 OMEGA = np.linspace(0.5, 3.0, 26)
 SPRING = 3e4

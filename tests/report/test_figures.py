@@ -16,8 +16,8 @@ from vsb.report.figures import (
     directions,
     port_motion,
 )
-from vsb.tools.variables import FORCE, MOMENT
 from vsb.study.figure_names import of_study
+from vsb.tools.variables import FORCE, MOMENT
 
 OMEGA = np.linspace(0.1, 6.0, 600)
 NONE = xr.Dataset()

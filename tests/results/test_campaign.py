@@ -8,7 +8,7 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.pipeline.campaign_plan import members
+from vsb.pipeline.plans import members
 from vsb.results.campaign import as_csv, damper, gathered, stacked, with_verification
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.vary import MEMBER

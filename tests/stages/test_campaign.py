@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from stages.test_members import gather, planned, with_seas
 
-from vsb.pipeline.campaign_plan import members
+from vsb.pipeline.plans import members
 from vsb.results.campaign import stacked
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest

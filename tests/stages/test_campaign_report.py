@@ -9,7 +9,7 @@ from results.test_member import year_of
 from results.test_year import climate
 from stages.test_members import gather, planned, with_seas
 
-from vsb.pipeline.campaign_plan import members
+from vsb.pipeline.plans import members
 from vsb.report.campaign_answer import closing_answer
 from vsb.report.html import with_minus_signs
 from vsb.results.campaign import stacked

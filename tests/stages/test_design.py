@@ -24,9 +24,8 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.problem import POWER, excesses, limit_parts
 from vsb.design.searched import Outcome, finer_of, problem_of
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.jobs import rules
-from vsb.pipeline.plans import plan_of
+from vsb.pipeline.plans import DesignPlan, plan_of
 from vsb.report import design_page
 from vsb.report.design_answer import answer, fronts, where_it_gains
 from vsb.report.design_page import (

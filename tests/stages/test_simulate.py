@@ -72,7 +72,7 @@ def test_volume_and_area_are_those_of_the_moving_shell(small):
 def test_clamped_shell_in_still_water_has_no_steady_power_and_no_drift(small, tmp_path):
     plan = StudyPlan(varied(small.study, designs={"C": {"clamp": 0}}, waves=[{"kind": "still"}]))
     (wave,) = plan.study.waves
-    simulate.run_simulate(plan.simulation("C", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    simulate.run_simulate(plan.simulation("C", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.simulation("C", wave).id)
     assert "steady_power" not in run.attrs
     assert run.attrs["constraint_drift"] < 1e-12
@@ -91,12 +91,12 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     simulation = {"duration": 100.0, "window": [75.0, 100.0], "initial_velocity": 0.0}
     plan = StudyPlan(varied(small.study, pto=pto, waves=waves, simulation=simulation))
     (wave,) = plan.study.waves
-    simulate.run_simulate(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    simulate.run_simulate(plan.simulation("FSB", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.simulation("FSB", wave).id)
     assert LAWS[law] in run.attrs
     window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values
     assert run.attrs["steady_power"] == pytest.approx(np.diff(window)[0] / 25.0, rel=5e-3)
-    scene = linear_design(plan.simulation("FSB", wave), small.hydro_files).system
+    scene = linear_design(plan.simulation("FSB", wave).spec, small.hydro_files).system
     assert run.attrs["steady_power"] == pytest.approx(periodic_power(scene, 1e-6)[0], rel=1e-4)
 
 

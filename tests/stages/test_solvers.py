@@ -55,7 +55,7 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
 @pytest.mark.slow
 def test_both_solvers_agree_within_their_error_estimates(seed, tmp_path):
     """Of a rigid sphere on few rows."""
-    spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness
+    spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness.spec
     spec = spec.model_copy(update={"meshes": spec.meshes.model_copy(update={"rows": 16, "azimuth": 32})})
     panels.run_deformed(spec.meshes, str(tmp_path / "meshes"))
     panels.run_witness(spec, str(tmp_path / "meshes"), str(tmp_path / "witness.nc"))
@@ -69,7 +69,8 @@ def test_missing_or_foreign_block_is_refused(small, tmp_path):
     (name,) = small.database.spec.sweep
     with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
         solving.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
-    files.save(files.load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
+    block = files.load(small.block_path(small.sweep_blocks[0]))
+    files.save(block.assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
     with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
         solving.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
     assert not (tmp_path / "out.nc").exists()
@@ -78,7 +79,7 @@ def test_missing_or_foreign_block_is_refused(small, tmp_path):
 def test_failed_check_stops_unless_accepted(small, tmp_path):
     """Damping of the wrong size violates Haskind's relation; solved again it does, too, of water that is too dense."""
     (name,) = small.database.spec.sweep
-    shutil.copy(f"{small.block_folder}/{name}.nc", tmp_path)
+    shutil.copy(small.block_path(small.sweep_blocks[0]), tmp_path)
     block = files.load(tmp_path / f"{name}.nc")
     other = json.loads(block.attrs["spec"])
     other["water"]["density"] *= 1.3

@@ -1,9 +1,18 @@
-"""Stages: the same names and files as the rules of the workflow; specifications and stamps."""
+"""Tasks side by side, locks and stamps."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
 from conftest import SEED
 
-from vsb.pipeline.graph import StudyPlan
-from vsb.stages.stage import stamp
+from vsb.errors import ConfigError, VsbError
+from vsb.pipeline.graph import StudyPlan, Task
+from vsb.stages.stage import exclusive_lock, run_side_by_side, stamp
 from vsb.study.study import load
 
 
@@ -16,3 +25,80 @@ def test_stamp_depends_on_specification_and_source_files():
     assert ids[1] == ids[2]
     assert len(set(ids)) == 3
     assert stamp(plan.response.spec, "a/one.nc")["spec_id"] != ids[1]
+
+
+def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
+    root = tmp_path / "results"
+    with exclusive_lock(root) as handles:
+        assert len(handles) == 1
+        with pytest.raises(
+            VsbError,
+            match=rf"results: another run is at work in this folder \(process {os.getpid()} on .+\); wait for it to end$",
+        ):
+            exclusive_lock(root).__enter__()
+    with exclusive_lock(root):
+        pass
+
+
+def some(*chain):
+    """Tasks by name, each with the names it needs."""
+    return [Task("modes", None, {}, (name,), tuple(needs)) for name, *needs in chain]
+
+
+def test_each_begins_after_what_it_needs_and_all_are_done(tmp_path):
+    tasks = some("a", "b", "cab", "dc", "e")
+    lines = []
+
+    def work(task):
+        assert all((tmp_path / name).exists() for name in task.needs)
+        (tmp_path / task.makes[0]).write_text(str(os.getpid()))
+
+    run_side_by_side(tasks, work, 2, lambda place, done: lines.append((place, len(done))))
+    assert {path.name for path in tmp_path.iterdir()} == set("abcde")
+    assert str(os.getpid()) not in {path.read_text() for path in tmp_path.iterdir()}
+    assert sorted(place for place, _ in lines) == [0, 1, 2, 3, 4]
+    assert dict(lines)[3] >= 3  # d begins when a, b and c are done
+
+
+def test_an_error_of_one_ends_all_and_is_raised(tmp_path):
+    def work(task):
+        if task.makes == ("a",):
+            raise ConfigError("study.yaml: pto: received x, needs y")
+        time.sleep(60.0)
+
+    begun = time.monotonic()
+    with pytest.raises(ConfigError, match=r"study\.yaml: pto: received x") as caught:
+        run_side_by_side(some("b", "a"), work, 2, lambda *_: None)
+    assert caught.value.mistakes == ("study.yaml: pto: received x, needs y",)
+    assert time.monotonic() - begun < 30.0
+    assert not psutil.Process().children()
+
+
+def test_a_task_that_is_killed_is_reported():
+    """The system's killer of what takes too much memory leaves no other trace."""
+    with pytest.raises(VsbError, match="ended without a word, as when memory is out"):
+        run_side_by_side(some("a", "b"), lambda _: os.kill(os.getpid(), signal.SIGKILL), 2, lambda *_: None)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_no_process_outlives_the_run(tmp_path, how):
+    """A killed run and an interrupted one leave nothing at work behind."""
+    program = f"""
+import os, pathlib, time
+from vsb.pipeline.graph import Task
+from vsb.stages.stage import run_side_by_side
+def work(task):
+    pathlib.Path({str(tmp_path)!r}, task.makes[0]).write_text(str(os.getpid()))
+    time.sleep(600.0)
+run_side_by_side([Task("modes", None, {{}}, (name,)) for name in "ab"], work, 2, lambda *_: None)
+"""
+    run = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.DEVNULL, start_new_session=True)
+    files = [tmp_path / name for name in "ab"]
+    while not all(path.exists() and path.read_text() for path in files):
+        assert run.poll() is None
+        time.sleep(0.05)
+    workers = [int(path.read_text()) for path in files]
+    os.killpg(run.pid, how) if how == signal.SIGINT else run.send_signal(how)
+    run.wait(30.0)
+    _, alive = psutil.wait_procs([psutil.Process(pid) for pid in workers if psutil.pid_exists(pid)], timeout=30.0)
+    assert not alive

@@ -15,7 +15,7 @@ from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages import report
-from vsb.stages.locks import shared_lock
+from vsb.stages.stage import shared_lock
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
 

@@ -137,7 +137,7 @@ def test_elevation_of_a_run_is_the_record(model, small, tmp_path):
     )  # fmt: skip
     plan, wave = StudyPlan(study), study.waves[0]
     plan.check_waves()
-    run_simulate(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    run_simulate(plan.simulation("FSB", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
     run = stored(tmp_path / "run.nc")
     exact = sea(wave, 5.0, 8.0).elevation(run.time.values)
     assert run.elevation.values == pytest.approx(exact, abs=1e-12)

@@ -28,9 +28,8 @@ from vsb.engine.waves.scatter import climate_of_cells
 from vsb.errors import ConfigError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
-from vsb.pipeline.plans import with_degree
+from vsb.pipeline.plans import DesignPlan, with_degree
 from vsb.report.answer import closing_line, limits_aside
 from vsb.results.series import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year

@@ -21,9 +21,9 @@ from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
 from vsb.models.further_modes import reach_of_modes
 from vsb.study.campaign import CAUSAL, study_at
-from vsb.study.degree import expected_change
 from vsb.study.design import CONTROLLED, Variable
 from vsb.study.feasible import shares
+from vsb.study.resolution import expected_change
 from vsb.study.specs import Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

@@ -16,7 +16,7 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import horizontal_velocity, vertical_velocity
 from vsb.errors import ConfigError
 from vsb.models.floating_system import FloatingSystem, heading
-from vsb.study.drag import Plate, Vane
+from vsb.study.sections import Plate, Vane
 from vsb.study.specs import AnySystem, BodySystem
 from vsb.tools.arrays import ComplexArray, FloatArray
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vsb.models.rest import loaded_at_ring
-from vsb.study.degree import bending_degree
+from vsb.study.resolution import bending_degree
 from vsb.study.specs import AnyBuoy
 from vsb.tools.arrays import FloatArray
 

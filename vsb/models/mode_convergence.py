@@ -1,8 +1,8 @@
 """Powers with more shell modes, for what a basis leaves out: at the frequencies of the seas alone, to twice a degree.
 
-The degree of a basis follows from the stiffness of the wall (`vsb.study.degree`); here powers are computed with it and
-with up to twice as many degrees. Where a load acts at a ring of a sphere the static answer of all further degrees to it
-is part of all of them (`vsb.models.ring_loads`).
+The degree of a basis follows from the stiffness of the wall (`vsb.study.resolution`); here powers are computed with it
+and with up to twice as many degrees. Where a load acts at a ring of a sphere the static answer of all further degrees
+to it is part of all of them (`vsb.models.ring_loads`).
 """
 
 import math
@@ -35,9 +35,8 @@ from vsb.models.ports import ShapeWater, kept_buoy
 from vsb.models.rest import order_bases, reference_shell
 from vsb.models.ring_loads import with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
-from vsb.study.degree import degree_needed
-from vsb.study.directions import IN_PLANE, RIGID, Motion
-from vsb.study.sections import Modes
+from vsb.study.resolution import degree_needed
+from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
 from vsb.study.specs import AnyBuoy
 from vsb.tools.arrays import FloatArray
 

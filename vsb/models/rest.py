@@ -30,7 +30,7 @@ from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.study.directions import RIGID
+from vsb.study.sections import RIGID
 from vsb.study.specs import AnyBuoy, AtRest, Designed, ModesSpec, RestSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

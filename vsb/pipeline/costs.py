@@ -11,8 +11,8 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
-from vsb.study.blocks import BlockSpec
 from vsb.study.campaign import CAUSAL
+from vsb.study.resolution import BlockSpec
 from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy, Study
 

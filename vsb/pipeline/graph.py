@@ -19,8 +19,8 @@ from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
-from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, witness_spec
 from vsb.study.body import Body, BodyStudy, wamit_files
+from vsb.study.resolution import BlockSpec, HydroPlan, no_witness, witness_spec
 from vsb.study.specs import (
     AnySystem,
     Band,
@@ -502,7 +502,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
 
     @cached_property
     def witness(self) -> Task | None:
-        """What two solvers say of the same shapes; none without a second solver (`vsb.study.blocks`)."""
+        """What two solvers say of the same shapes; none without a second solver (`vsb.study.resolution`)."""
         if not (deformed := self.deformed):
             return None
         spec, meshes = witness_spec(self), deformed.makes

@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb.engine.motion.damper_matrix import matrix_text
 from vsb.engine.motion.take_off import port_kind
-from vsb.pipeline.campaign_plan import VARIABLES
+from vsb.pipeline.plans import VARIABLES
 from vsb.results.member import SAME_FOR_ALL
 from vsb.results.year import POWER_ENDS
 from vsb.study.body import BodyDesign

@@ -48,8 +48,8 @@ from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
-from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
+from vsb.study.resolution import no_witness
 from vsb.study.study import FEWEST_BATCHES, BaseStudy, Study
 from vsb.tools.words import plain
 

@@ -22,7 +22,7 @@ from vsb.models.mode_convergence import (
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import loaded_at_ring
 from vsb.models.ring_loads import has_attachment_modes
-from vsb.study.degree import expected_change
+from vsb.study.resolution import expected_change
 from vsb.study.specs import BuoySystem
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -57,7 +57,7 @@ def modes_left_out(
     The change from the basis of the study to the full basis of twice the degree that is enough for the tolerance, and
     for all further degrees the span of powers up to there: they change less where errors fall like 1/degree or faster.
     They fall like its power of 1.4 or, where a load acts at a ring of the shell, unevenly: there changes may be small
-    by chance, and count at least what is to be expected (`vsb.study.degree.expected_change`).
+    by chance, and count at least what is to be expected (`vsb.study.resolution.expected_change`).
     """
     if not study.flexible or not seas:
         return xr.Dataset()

@@ -22,14 +22,14 @@ from vsb.models.load_advice import advice
 from vsb.models.ports import STATED, BuoyOfShape, SweptShape
 from vsb.models.rest import order_bases
 from vsb.models.viability import Viability, viability, viability_of_body, with_designs
-from vsb.pipeline.campaign_plan import Member, members
 from vsb.pipeline.graph import StudyPlan, database_path
+from vsb.pipeline.plans import Member, members
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
 from vsb.results.member import YearsWithin, member
 from vsb.stages.climate import read_climate
 from vsb.stages.make import solve
 from vsb.stages.water import refined
-from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.resolution import COARSEST_SWEEP
 from vsb.study.specs import CampaignSpec, MemberSpec, MembersSpec
 from vsb.study.study import Study
 from vsb.tools import packed

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError
-from vsb.pipeline.campaign_plan import CampaignPlan
 from vsb.pipeline.graph import BodyPlan, StudyPlan
+from vsb.pipeline.plans import CampaignPlan
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import where_of
 from vsb.study.study import Study

@@ -16,7 +16,7 @@ from vsb.models.floating_system import AnyBody, Floating
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import whole_labels
 from vsb.models.viability import with_designs
-from vsb.pipeline.campaign_plan import members
+from vsb.pipeline.plans import members
 from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, View, frames_data, largest_shell, shapes_data
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN

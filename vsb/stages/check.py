@@ -7,14 +7,11 @@ import importlib
 from typing import Any
 
 from vsb.engine.waves.kinds import RegularWave, StillWater
-from vsb.pipeline.campaign_plan import CampaignPlan
 from vsb.pipeline.costs import GREEN_KEPT_SECONDS
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.jobs import cost_line
-from vsb.pipeline.plans import Plan, degree_lines
-from vsb.study.study import BaseStudy
-from vsb.study.unlikely import units_doubted, unlikely_units
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, degree_lines
+from vsb.study.study import BaseStudy, units_doubted, unlikely_units
 
 MODULES: dict[type, str] = {
     StudyPlan: "preview", BodyPlan: "body_preview", CampaignPlan: "campaign_preview", DesignPlan: "design_preview",

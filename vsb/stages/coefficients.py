@@ -26,8 +26,7 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.pipeline.graph import frequencies
 from vsb.pipeline.jobs import workers
-from vsb.stages.stage import stamp
-from vsb.stages.workers import CAN_FORK, run_side_by_side
+from vsb.stages.stage import CAN_FORK, run_side_by_side, stamp
 from vsb.study.body import REPAIRS, Body
 from vsb.study.specs import BodySpec, FrequenciesSpec
 from vsb.tools.files import save, write_text

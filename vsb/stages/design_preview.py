@@ -13,9 +13,9 @@ from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.costs import START_OF_A_PROCESS
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import Task
 from vsb.pipeline.jobs import seconds_of_jobs
+from vsb.pipeline.plans import DesignPlan
 from vsb.report.design_answer import in_control
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import CAUSAL, study_at

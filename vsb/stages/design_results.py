@@ -33,7 +33,7 @@ from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.keys.quantities import Section, canonical, content_id
 from vsb.models.viability import viability
-from vsb.pipeline.design_plan import TABLES
+from vsb.pipeline.plans import TABLES
 from vsb.report.design_answer import answer, no_answer, objective_text
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.stages.climate import read_climate

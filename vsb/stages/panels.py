@@ -23,7 +23,7 @@ from vsb.engine.shell.shell import Shell
 from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
 from vsb.stages.stage import stamp
-from vsb.study.blocks import degree
+from vsb.study.resolution import degree
 from vsb.study.specs import DeformedSpec, LoadedMesh, LoadedShape, PanelsSpec, Shapes, SphereMesh, WitnessSpec
 from vsb.tools.files import load, save, write_text
 

@@ -15,7 +15,7 @@ from vsb.models.rest import check_rests, check_spring, check_stable, reference_s
 from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.pipeline.graph import StudyPlan
-from vsb.study.blocks import BlockSpec, no_witness
+from vsb.study.resolution import BlockSpec, no_witness
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
 from vsb.tools.files import load

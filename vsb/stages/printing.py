@@ -6,9 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
-from vsb.pipeline.plans import Plan
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan
 from vsb.report.svg import for_print
 from vsb.stages import campaign_report, design_report, report
 from vsb.stages.climate import read_climate

@@ -47,9 +47,9 @@ from vsb.results.forecast import worth_of_knowledge
 from vsb.results.statistics import families
 from vsb.stages.animated import animated_study
 from vsb.stages.stored import Inputs
-from vsb.study.blocks import no_witness
 from vsb.study.body import CONTENTS, AnyStudy
 from vsb.study.figure_names import of_study
+from vsb.study.resolution import no_witness
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text

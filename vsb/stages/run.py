@@ -23,16 +23,13 @@ import psutil
 
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.reading import nearest, read_yaml
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import due
 from vsb.pipeline.jobs import Job, is_short, left, rules
-from vsb.pipeline.plans import Plan, plan_of
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, plan_of
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
-from vsb.stages.locks import exclusive_lock, shared_lock
-from vsb.stages.make import best_so_far, log_path, make_each
-from vsb.stages.progress import Progress, failed, followed
+from vsb.stages.make import Progress, best_so_far, failed, followed, log_path, make_each
+from vsb.stages.stage import exclusive_lock, shared_lock
 from vsb.tools.commands import long_options
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened

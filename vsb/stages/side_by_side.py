@@ -10,10 +10,8 @@ from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import YEAR_HOURS
 from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.errors import ConfigError
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import AnyPlan
-from vsb.pipeline.plans import plan_of
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of
 from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.study.campaign import leading_tuning
 from vsb.tools.files import load, write_text

@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from vsb.errors import VsbError
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
-from vsb.pipeline.plans import Plan
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""

@@ -1,18 +1,34 @@
-"""The stages of the workflow: a task's `stage` is a function `run_STAGE` of a module here."""
+"""Tasks at work: the function of a stage, one task or several side by side, and locks on what studies share.
+
+A task's `stage` is a function `run_STAGE` of a module here.
+"""
 
 import importlib
 import json
-from collections.abc import Iterator
+import multiprocessing
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, get_type_hints
 
+import psutil
 from pydantic import TypeAdapter, ValidationError
 
-from vsb.errors import ConfigError
-from vsb.keys.quantities import canonical, result_id
+from vsb.errors import ConfigError, VsbError
+from vsb.keys.quantities import canonical, id_in, result_id
 from vsb.keys.reading import one_line
 from vsb.pipeline.graph import STAGES, Task
+from vsb.pipeline.jobs import longest_chains
 from vsb.study.specs import Spec
+from vsb.tools import files
 from vsb.tools.stamps import check_product, faults, read_manifest
 
 GIVEN = "standard input"
@@ -86,3 +102,155 @@ def stamp(spec: Spec, *inputs: str) -> dict[str, str]:
     """Return the stamp of a netCDF file: its specification, and its id by that and the ids its inputs are named by."""
     ids = [Path(path).stem for path in inputs if path]
     return {"spec": canonical(spec), "spec_id": result_id(spec, *ids)}
+
+
+# locks: one run at a time of a study, and of what makes a file that studies share -------------------------------------
+
+
+PATIENCE = 5.0
+"""Time a lock is waited for without a word [s]."""
+LOCKS = ".locks"
+"""Folder of the locks on what studies share, beside it."""
+
+
+@contextmanager
+def exclusive_lock(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
+    """Hold the folder of a study; the lock goes with the processes that hold it, so a killed run leaves none behind."""
+    if not waits:  # a dry run writes nothing
+        yield []
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("a") as handle:
+        if not files.take(handle.fileno()):
+            raise VsbError(f"{folder}: another run is at work in this folder{_holder(folder)}; wait for it to end")
+        handle.truncate(0)
+        handle.write(f"process {os.getpid()} on {socket.gethostname()}")
+        handle.flush()
+        yield [handle.fileno()]
+
+
+def _holder(folder: Path) -> str:
+    """Which process holds a folder, if it has said so."""
+    said = (folder / ".lock").read_text(encoding="utf-8")
+    return f" ({said})" if said else ""
+
+
+@contextmanager
+def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
+    """Hold what is about to make files that studies share, until it is done; wait for another run that makes them now.
+
+    Parameters
+    ----------
+    root : str or Path
+        Folder of all results.
+    paths : iterable of str
+        Files, named by their content id or lying in a folder that is.
+    """
+    folder = Path(root, "hydro", LOCKS)
+    with ExitStack() as stack:
+        handles = []
+        for name in sorted(set(map(id_in, paths))):  # in one order: nobody waits in a circle
+            folder.mkdir(parents=True, exist_ok=True)
+            handle = stack.enter_context((folder / name).open("w"))
+            _wait(handle.fileno(), name)
+            handles.append(handle.fileno())
+        yield handles
+
+
+def _wait(handle: int, name: str) -> None:
+    """Take a lock; if it is another's for long, say so."""
+    if not files.wait(handle, PATIENCE):
+        print(f"vsb: waiting for another run or task that makes {name}", file=sys.stderr, flush=True)
+        files.wait(handle)
+
+
+# tasks side by side, by processes forked from this one, which has imported what they compute with ---------------------
+
+
+CAN_FORK = sys.platform.startswith("linux")
+"""Whether processes may be forked: the system's own libraries on macOS do not stand it, Windows has no forks."""
+_work: Callable[[Task], None]
+"""What a forked process does with a task."""
+
+
+def run_side_by_side(
+    some: Sequence[Task], work: Callable[[Task], None], count: int, begun: Callable[[int, Collection[int]], None]
+) -> None:
+    """Do tasks, as many at once as there are processes; of those that can begin first what others wait for longest.
+
+    Parameters
+    ----------
+    some : sequence of Task
+        Each after those whose files it needs.
+    work : callable
+        Does a task. Its error ends the others, and is raised here.
+    count : int
+        Number of processes; but a second task begins only where the memory for it is free.
+    begun : callable
+        Called with the task that begins and those done, by their places in `some`.
+    """
+    chains = longest_chains(some)
+    waiting = sorted(range(len(some)), key=lambda place: -chains[place])
+    unmade = {path for task in some for path in task.makes}
+    done: list[int] = []
+    running: dict[Future[None], int] = {}
+    with _processes(work, some, count) as pool:
+        while waiting or running:
+            for place in [place for place in waiting if unmade.isdisjoint(some[place].needs)]:
+                free = len(running) < count and psutil.virtual_memory().available > 1e6 * some[place].megabytes
+                if free or not running:
+                    waiting.remove(place)
+                    begun(place, done)
+                    running[pool.submit(_do, some[place])] = place
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                future.result()
+                done.append(running.pop(future))
+                unmade -= {*some[done[-1]].makes}
+
+
+@contextmanager
+def _processes(work: Callable[[Task], None], some: Sequence[Task], count: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that do tasks; if anything ends this run, they are killed: files are written whole or not at all."""
+    for stage in {task.stage for task in some}:
+        function_of(stage)  # its imports, once
+    context, before = multiprocessing.get_context("fork"), _children()
+    pool = ProcessPoolExecutor(count, context, _begin_process, (work, os.getpid()))
+    try:
+        yield pool
+    except BaseException as error:
+        for process in _children() - before:
+            process.kill()
+        pool.shutdown(cancel_futures=True)
+        if isinstance(error, BrokenProcessPool):
+            raise VsbError(
+                "a task ended without a word, as when memory is out; run the same command again to go on from here"
+            ) from None
+        raise
+    pool.shutdown()
+
+
+def _children() -> set[psutil.Process]:
+    """Processes this one started."""
+    return {*psutil.Process().children()}
+
+
+def _begin_process(work: Callable[[Task], None], parent: int) -> None:
+    """Begin in a new process: signals go to its parent, without which it ends."""
+    global _work
+    _work = work
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
+
+
+def _end_without(parent: int) -> None:
+    """End this process once its parent is no more."""
+    while os.getppid() == parent:
+        time.sleep(0.1)
+    os._exit(1)
+
+
+def _do(task: Task) -> None:
+    """Do a task in this process."""
+    _work(task)

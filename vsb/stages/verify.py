@@ -8,11 +8,9 @@ from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
 from vsb.keys.quantities import id_in, leaves
-from vsb.pipeline.campaign_plan import CampaignPlan
-from vsb.pipeline.design_plan import DesignPlan
 from vsb.pipeline.graph import AnyPlan, plan_for
-from vsb.pipeline.plans import Plan, plan_of
-from vsb.stages.locks import shared_lock
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, plan_of
+from vsb.stages.stage import shared_lock
 from vsb.study.body import is_body, located
 from vsb.study.study import parse
 from vsb.tools import packed

@@ -23,7 +23,7 @@ from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
 from vsb.models.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.stages.stage import stamp
-from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.resolution import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
 from vsb.tools.files import load, save
 

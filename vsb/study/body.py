@@ -28,8 +28,7 @@ from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Count, Finite, Name, Number, Positive, Section
 from vsb.keys.reading import read_yaml, validated
-from vsb.study.drag import BodyDrag, check_followed
-from vsb.study.sections import Published
+from vsb.study.sections import BodyDrag, Published, check_followed
 from vsb.study.study import BaseStudy, Study, check_all
 from vsb.tools.files import open_regular
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.kinds import IrregularSea
-from vsb.study.blocks import no_witness
+from vsb.study.resolution import no_witness
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
 from vsb.tools.variables import MEMBRANE, SEVERAL

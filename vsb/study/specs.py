@@ -25,9 +25,7 @@ from vsb.keys.quantities import Brief, Name, Section
 from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import CAUSAL, Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import CONTROLLED, LEAST_STROKE, DesignTuning, Fatigue, Objective, Variable
-from vsb.study.directions import Mooring, Motion
-from vsb.study.drag import BodyDrag, Drag
-from vsb.study.sections import Design, Hydro, Modes, RestShape
+from vsb.study.sections import BodyDrag, Design, Drag, Hydro, Modes, Mooring, Motion, RestShape
 from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
 from vsb.study.vary import Vary
 

@@ -15,7 +15,7 @@ from vsb.engine.hydro.bodies.coarsening import CoarserBody
 from vsb.engine.hydro.bodies.solver import BodyProblem
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
-from vsb.study import blocks
+from vsb.study import resolution as blocks
 from vsb.tools.files import load
 
 LABELS = ("Heave", "Pitch", "Bend")

@@ -7,7 +7,7 @@ import pytest
 from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from study.test_plan import block_ids
+from pipeline.test_graph import block_ids
 
 from vsb.engine.hydro.database import displacements_of, in_modes
 from vsb.engine.hydro.quality import added_mass_difference
@@ -18,7 +18,7 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
 from vsb.models.rest import study_basis
 from vsb.pipeline.graph import StudyPlan
-from vsb.study.blocks import frequency_step, tolerance_rows
+from vsb.study.resolution import frequency_step, tolerance_rows
 
 
 @pytest.fixture(scope="module")

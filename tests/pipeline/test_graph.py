@@ -1,21 +1,130 @@
-"""Plan of a study: ids, figures, frequencies of the response, memory."""
+"""Tasks of studies: files, ids and what they depend on; jobs."""
 
+import inspect
 import json
 import re
+from dataclasses import replace
 from typing import get_args
 
 import pytest
 import yaml
-from conftest import EXAMPLE, SEED, varied
+from conftest import EXAMPLE, SEED, shipped, varied
 from pydantic import ValidationError
 
 from vsb.engine.shell.device import Basis
+from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id
-from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.graph import BodyPlan, StudyPlan, Task, due
+from vsb.pipeline.jobs import BATCH_SECONDS, jobs, rules
+from vsb.pipeline.plans import plan_of, planned
+from vsb.stages.stage import function_of
 from vsb.study import specs
 from vsb.study import study as config
+from vsb.study.body import LocatedBody, located
 from vsb.study.specs import PHYSICS
 from vsb.study.study import load
+
+STUDIES = {
+    "spectral": {},
+    "without witness": {"hydro": {"witness": "none"}},
+    "panels": {"hydro": {"rows": 16, "omega_max": 5.0, "omega": (1.0, 2.0)}},
+    "shallow": {"water": {"depth": 2.02}},
+    "assumed pressure": {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}},
+}
+
+
+@pytest.fixture(params=STUDIES)
+def plan(request, tmp_path):
+    return StudyPlan(varied(config.load(SEED), **STUDIES[request.param]), root=str(tmp_path))
+
+
+@pytest.mark.parametrize("steps", [lambda plan: plan.tasks, jobs])
+def test_all_products_are_made_once_and_in_order(plan, steps):
+    made = []
+    for step in steps(plan):
+        assert set(step.needs) <= set(made), step
+        made += step.makes
+    assert len(made) == len(set(made))
+    assert set(plan.products) <= set(made)
+    assert set(made) - set(plan.file_ids) <= {f"{plan.green.out}"}
+
+
+def test_jobs_of_a_campaign_make_all_its_products_in_order():
+    given = plan_of(str(shipped("when_it_pays")))
+    modes = given.loaded.base.modes.model_copy(update={"degree": 6})  # else looked for
+    plan = replace(given, loaded=given.loaded.model_copy(update={"base": varied(given.loaded.base, modes=modes)}))
+    made = [plan.loaded.climate_path]
+    for job in jobs(plan):
+        assert set(job.needs) <= set(made), job.rule
+        made += job.makes
+    assert set(plan.products) <= set(made)
+
+
+def test_functions_of_stages_take_the_files_of_their_tasks(plan):
+    for task in plan.tasks:
+        arguments = [task.spec] if task.spec else []
+        inspect.signature(function_of(task.stage)).bind(*arguments, **task.files)
+
+
+SEAS = tuple({"kind": "regular", "amplitude": 0.1, "period": 2.5 + 0.1 * i} for i in range(20))
+
+
+@pytest.mark.parametrize(("duration", "together"), [(60.0, True), (3e4, False)])
+def test_short_runs_share_jobs_of_ten_seconds_and_long_ones_have_their_own(tmp_path, duration, together):
+    simulation = {"duration": duration, "window": (10.0, 40.0)}
+    study = config.parse(
+        config.load(SEED).model_dump(exclude_none=True)
+        | {"waves": SEAS, "simulation": simulation, "hydro": {"model": "body_exact", "omega_max": 8.0}}
+    )
+    plan = StudyPlan(study, root=str(tmp_path))
+    runs = [job for job in jobs(plan) if job.rule == "simulate"]
+    assert sum(len(job.tasks) for job in runs) == len(SEAS) * len(study.designs)
+    assert all((len(job.tasks) > 1) is together for job in runs)
+    assert all(sum(task.seconds for task in job.tasks) >= BATCH_SECONDS for job in runs[:-1])
+    names = [rule.name for rule in rules(plan) if rule.stem == "simulate"]
+    assert names == ([f"simulate_{i}" for i in range(1, len(runs) + 1)] if together else ["simulate"])
+    made = {path.format(job=name) for rule in rules(plan) for name in rule.jobs for path in rule.makes}
+    assert set(plan.products) <= made
+
+
+@pytest.mark.parametrize(
+    ("there", "stale", "wanted", "named"),
+    [
+        ("abc", "", "abc", []),
+        ("ac", "", "abc", ["first"]),
+        ("bc", "", "abc", ["first"]),
+        ("ac", "", "b", ["first"]),
+        ("abc", "a", "abc", ["first"]),
+        ("a", "", "c", ["first", "last"]),
+        ("c", "", "c", []),
+    ],
+)
+def test_task_is_due_if_any_wanted_file_is_missing_or_stale(tmp_path, there, stale, wanted, named):
+    """The first task makes a and b, from which the last makes c."""
+    a, b, c = (str(tmp_path / name) for name in "abc")
+    ordered = [Task("first", None, {}, (a, b)), Task("last", None, {}, (c,), (b, a))]
+    for name in there:
+        (tmp_path / name).touch()
+    found = due(ordered, [str(tmp_path / name) for name in wanted], [str(tmp_path / name) for name in stale])
+    assert [task.stage for task in found] == named
+
+
+def test_tasks_depend_on_all_files_they_read(plan):
+    """Files given one by one, and those in folders that are named by its specification."""
+    made = {path for task in plan.tasks for path in task.makes}
+    for task in plan.tasks:
+        read = {path for path in task.files.values() if path in made} - set(task.makes)
+        assert read <= set(task.needs), task.stage
+    needs = {task.stage: set(task.needs) for task in plan.tasks}
+    drawn = {path for task in plan.tasks if task.stage == "figures" for path in task.makes}
+    assert drawn <= needs["report"]
+    if plan.study.needs_bem:
+        assert needs["database"] == {plan.block_path(block) for block in plan.bem_blocks.values()}
+        for stage in ("radiation", "response", "ladder"):
+            assert needs[stage] == {plan.database.out}, stage
+    for task in plan.tasks:
+        if task.stage == "panels":
+            assert f"{plan.green.out}" in task.needs
 
 
 @pytest.fixture(scope="module")
@@ -220,3 +329,66 @@ def test_version_of_the_physics_is_part_of_the_ids(study, monkeypatch, tag, rena
     before = ids(study)
     monkeypatch.setitem(PHYSICS, tag, PHYSICS[tag] + 1)
     assert changed(before, ids(study)) == renamed
+
+
+RAW = {
+    "study": "raft",
+    "body": {"database": "sha256:raft"},
+    "designs": {"flexible": {}, "rigid": {"dofs": "rigid"}},
+    "waves": [{"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}],
+}
+
+
+def body_plan(**changes):
+    found: LocatedBody = located({**RAW, **changes}, "raft.yaml")
+    return BodyPlan(found.study, files=found.files)
+
+
+OF_BODY = ("database", "radiation", "response", "ladder", "compare")
+
+
+@pytest.mark.parametrize(
+    ("changes", "renamed"),
+    [
+        ({"body": {"database": "sha256:other"}}, {"database", "radiation", "compare"}),
+        ({"body": {**RAW["body"], "mass": {"Heave": 1.0}}}, {"database", "radiation", "compare"}),
+        ({"hydro": {"omega_max": 2.0}}, {"database", "radiation", "compare"}),
+        ({"hydro": {"repair": ["kramers_kronig"]}}, {"database", "radiation", "compare"}),
+        ({"hydro": {"tolerance": 0.02}}, {"radiation", "compare"}),
+        ({"hydro": {"added_mass_inf": "given"}}, {"radiation", "compare"}),
+        ({"pto": {"damping": 1.0}}, {"response", "ladder", "compare"}),
+        ({"pto": {"port": {"dof": "Pitch"}}}, {"response", "ladder", "compare"}),
+        ({"simulation": {"duration": 90.0}}, {"ladder", "compare"}),
+        ({"waves": [{**RAW["waves"][1], "seed": 2}, RAW["waves"][0]]}, {"ladder", "compare"}),
+        ({"designs": {"flexible": {}, "rigid": {"dofs": ["Heave"]}}}, {"response", "ladder", "compare"}),
+        ({"water": {"density": 1000.0}}, {"database", "radiation", "response", "ladder", "compare"}),
+    ],
+)
+def test_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
+    before, after = body_plan(), body_plan(**changes)
+    found = {
+        name for name in OF_BODY if content_id(getattr(before, name).spec) != content_id(getattr(after, name).spec)
+    }
+    assert found == renamed
+    assert before.identity != after.identity
+
+
+def test_mesh_is_solved_with_a_green_function_table(tmp_path):
+    body = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
+    own = body_plan(body={"file": body})
+    assert own.study.uses_panels
+    assert own.inputs == [f"{own.green.out}"]
+    assert own.sources == {"folder": "results/hydro/bodies", "green": own.green.files["folder"]}
+    assert own.database.spec.solver.startswith("capytaine")
+    assert own.highest == 0.9
+    assert body_plan().database.spec.solver == ""
+    (tmp_path / "raft.nc").write_text("numbers")
+    read = planned({**RAW, "body": {"database": "raft.nc"}, "root": "out"}, str(tmp_path / "raft.yaml"))
+    assert read.root == "out"
+    assert [name.endswith("raft.nc") for name in read.inputs] == [True]
+    assert read.inputs == list(read.sources.values())
+
+
+def test_a_hull_in_place_of_a_study_is_told_how_to_get_one():
+    with pytest.raises(ConfigError, match=r"cad/hull.STL: received a hull.* vsb init my.yaml --body .* mesh: hull.STL"):
+        plan_of("cad/hull.STL")

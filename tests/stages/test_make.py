@@ -7,7 +7,7 @@ from conftest import SEED, varied
 
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.jobs import jobs, rules
-from vsb.stages.progress import Progress, followed
+from vsb.stages.make import Progress, followed
 from vsb.study.study import load
 
 OUTPUT = """Execute 2 jobs...
