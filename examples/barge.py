@@ -33,8 +33,7 @@ from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Finite, NonNegative, Number, Positive, Section, canonical
 from vsb.keys.reading import validated
-from vsb.report.canvas import grid_of_axes, legend_above, style
-from vsb.report.svg import svg_text
+from vsb.report.canvas import grid_of_axes, legend_above, style, svg_text
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import load, write_text
 from vsb.tools.words import csv_text

@@ -42,8 +42,7 @@ from vsb.models.floating_system import floating_system
 from vsb.models.mode_convergence import TAKE_OFFS, ModeConvergence
 from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan
 from vsb.pipeline.plans import planned
-from vsb.report.canvas import RIGID_STYLE, STYLES, grid_of_axes, legend_above
-from vsb.report.svg import drawn
+from vsb.report.canvas import RIGID_STYLE, STYLES, drawn, grid_of_axes, legend_above
 from vsb.stages.make import hydro_files, make
 from vsb.study.sections import Modes
 from vsb.study.study import Study, load, parse

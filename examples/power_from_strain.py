@@ -22,7 +22,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.models.floating_system import floating_system
 from vsb.models.take_off import matrix_kind
 from vsb.results.year import band_weights, frequencies
-from vsb.stages.climate import read_seas
+from vsb.stages.check import read_seas
 from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.study.vary import scaled

@@ -23,7 +23,7 @@ from vsb.engine.waves.seas import Sea, sea
 from vsb.errors import ConfigError
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import computed_buckling
-from vsb.report.svg import svg_text
+from vsb.report.canvas import svg_text
 from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text

@@ -2,13 +2,13 @@
 
 from vsb.api.best_buoy import BestBuoy as BestBuoy
 from vsb.api.buoy import Buoy as Buoy
+from vsb.api.buoy import gradient as gradient
 from vsb.api.campaign import Campaign as Campaign
-from vsb.api.gradient import gradient as gradient
-from vsb.api.opened import open as open
-from vsb.api.performance import annual_energy as annual_energy
-from vsb.api.performance import annual_energy_of_series as annual_energy_of_series
-from vsb.api.performance import power_matrix as power_matrix
+from vsb.api.campaign import annual_energy as annual_energy
+from vsb.api.campaign import annual_energy_of_series as annual_energy_of_series
+from vsb.api.campaign import power_matrix as power_matrix
 from vsb.api.results import Results as Results
+from vsb.api.results import open as open
 from vsb.api.results import run as run
 from vsb.engine.hydro.bodies.body import FlexibleBody as FlexibleBody
 from vsb.engine.hydro.bodies.solver import BodyProblem as BodyProblem
@@ -28,7 +28,7 @@ from vsb.engine.waves.kinds import RegularWave as RegularWave
 from vsb.engine.waves.kinds import StillWater as StillWater
 from vsb.engine.waves.water import Water as Water
 from vsb.errors import VsbError as VsbError
-from vsb.stages.climate import read_seas as read_seas
+from vsb.stages.check import read_seas as read_seas
 from vsb.study.body import load_body as load_body
 from vsb.study.design import load_design as load_design
 from vsb.study.sections import Design as Design

@@ -141,8 +141,8 @@ def series(args: argparse.Namespace) -> int:
 
     The run is a file of finished results, such as results/buoy/trajectories/FSB-regular_A0.179_T2.5.nc.
     """
-    from vsb.api.opened import open as opened
     from vsb.api.results import Results
+    from vsb.api.results import open as opened
     from vsb.results.series import as_csv
     from vsb.tools.files import atomic_write, attributes, write_text
 
@@ -217,8 +217,8 @@ def matrix(args: argparse.Namespace) -> int:
 
     Each design has the optimal damper of each sea. With --out capture widths and dampers are written, too.
     """
-    from vsb.api.opened import open as opened
     from vsb.api.results import Results
+    from vsb.api.results import open as opened
     from vsb.tools.files import write_text
     from vsb.tools.stamps import check_table
     from vsb.tools.words import csv_text

@@ -29,7 +29,7 @@ from vsb.errors import VsbError
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import computed_buckling, reference_shell
 from vsb.models.viability import static_modal_amplitude, static_strain
-from vsb.report.band import gain_band
+from vsb.report.answer import gain_band
 from vsb.results.ledger import classical_check
 from vsb.stages.make import hydro_files
 from vsb.study.campaign import AT_FORCE, CAUSAL

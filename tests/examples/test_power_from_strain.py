@@ -3,7 +3,7 @@
 import pytest
 
 from examples.power_from_strain import AREA, BOTH, FLEXIBLE, RIGID, SEAS, power_of_year, with_take_off
-from vsb.stages.climate import read_seas
+from vsb.stages.check import read_seas
 from vsb.study.study import load
 
 

@@ -24,7 +24,7 @@ from vsb.models.stationary import controlled
 from vsb.results.causal_year import schedules_at_port
 from vsb.results.verification import DesignInTime, record_of
 from vsb.results.year import frequencies
-from vsb.stages.verification import under_schedules
+from vsb.stages.members import under_schedules
 
 TP, DURATION = 3.0, 120.0
 SETTINGS = Simulation(duration=DURATION + 80.0, window=(80.0, DURATION + 80.0))

@@ -1,17 +1,31 @@
-"""The answer of a study in sentences and tables."""
+"""The answer of a study in sentences and tables, failed checks with advice, and the band in which gains count."""
+
+import re
+from pathlib import Path
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from vsb.engine.motion.take_off import LAWS, Law
+from vsb.keys.meanings import KEYS
 from vsb.report.answer import (
+    ADVICE,
+    LOWEST,
+    USEFUL_SHARE,
     at_force_statements,
     closing_line,
     damping_in_words,
-    interval_text,
+    gain_band,
     limits_aside,
+    no_answer,
+    reasons,
+    useful_band,
+    warnings,
+    with_extremes,
 )
 from vsb.report.answer import headline as answered
+from vsb.tools.words import interval_text
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 SEAS = {"w": "a swell", "v": "a chop"}
@@ -188,3 +202,116 @@ def test_causal_control_of_a_given_force_is_part_of_the_answer():
     (alone,) = at_force_statements(lines[1:], None, seas, "N")
     assert alone == f"{start} 101.9 W."
     assert at_force_statements([line | {"design": "FSB", "force_rms": None}], "FSB", seas, "N") == []
+
+
+BUCKLING = {
+    "name": "buckling",
+    "design": "",
+    "wave": "",
+    "value": 66.4,
+    "limit": 1.0,
+    "verdict": "fail",
+    "explanation": "<p> & why",
+}
+HEAVE = {
+    "name": "heave",
+    "design": "A",
+    "wave": "w",
+    "value": 0.4,
+    "limit": 0.3,
+    "verdict": "doubt",
+    "explanation": "large",
+}
+
+
+def test_failed_checks_head_the_page():
+    assert warnings([BUCKLING, HEAVE]) == [f"buckling: 66.4, limit 1 (<p> & why). Change first: {ADVICE['buckling']}"]
+    (accepted,) = warnings([{**HEAVE, "verdict": "accepted"}])
+    assert accepted.startswith("heave of A in w: 0.4, limit 0.3 (large)")
+    assert warnings([{**HEAVE, "verdict": "ok"}]) == []
+
+
+def test_what_was_tried_for_a_shell_replaces_general_advice():
+    """A page that says "raise the pressure" of a wall that no pressure carries sends its reader in circles."""
+    tried = {**BUCKLING, "advice": "no pressure carries this wall; from 90 mm it stands (tried)"}
+    assert warnings([tried])[0].endswith(f"Change first: {tried['advice']}")
+    both = no_answer([tried, {**tried, "name": "computed_buckling"}])
+    assert both.endswith(f"Change first: {tried['advice']}."), "said once"
+
+
+def test_a_reason_has_the_largest_of_its_values():
+    (text,) = reasons([{"name": "strain", "value": value} for value in (0.11, 0.13, 0.12)])
+    assert text.startswith("the strain reaches 13 %")
+
+
+def test_advice_names_keys_that_exist():
+    for name, text in ADVICE.items():
+        for section, key in re.findall(r"\b([a-z]+)\.(\w+)", text):
+            assert section in {**KEYS["Study"], **KEYS["BodyStudy"]}, name
+            assert any(key in keys for keys in KEYS.values()), name
+        assert "body_exact" not in ADVICE["linearity"], "a check of body-exact runs alone"
+    assert all(how == "lower" for how in re.findall(r"(\w+) hydro\.\w*tolerance", text)), name
+    assert {name for name, text in ADVICE.items() if "hydro.power_tolerance" in text} == {"left_out", "gain_error"}
+    assert all(
+        ("waves" in ADVICE[name]) or name == "surge" for name in ("pitch", "rotation", "translation", "latching_time")
+    )
+
+
+def test_every_check_has_advice():
+    """Except one of round-off, and one of a matrix that is repaired."""
+    files = (Path(__file__).parents[2] / "vsb").rglob("*.py")
+    made = re.compile(r"\b(?:check_at_most|check_at_least|Check)\(\s*\"(\w+)\"")
+    names = {name for path in files for name in made.findall(path.read_text(encoding="utf-8"))}
+    assert {"spectrum_cut", "buckling", "heave"} <= names
+    assert names - set(ADVICE) == {"constraint_drift", "hydrostatic_symmetry"}
+
+
+def test_any_design_makes_a_frequency_useful_above_the_lowest():
+    omega = np.array([0.2, 0.5, 1.0, 1.5, 2.0])
+    power = [[100.0, 1.0, 100.0, 1.0, 4.9], [100.0, 1.0, 1.0, 5.1, 1.0]]
+    absorbed = xr.DataArray(power, dims=("design", "omega"), coords={"omega": omega})
+    assert (LOWEST, USEFUL_SHARE) == (0.3, 0.05)
+    assert useful_band(absorbed).values.tolist() == [False, False, True, True, False]
+
+
+NARROW = 3e-3
+"""Half width of a resonance, a third of the step of a grid [rad/s]."""
+
+
+def resonant(omega):
+    """A rigid design of a broad hump, and one that absorbs 6.36 times as much at 1.0437 rad/s, 0.2 at 1.6181."""
+    rigid = 50.0 / (1 + (omega - 1.3) ** 2)
+    peak, dip = (1 / (1 + ((omega - at) / NARROW) ** 2) for at in (1.0437, 1.6181))
+    values = [rigid, rigid * (1 + 6.36 * peak) * (1 - 0.8 * dip)]
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
+
+
+def test_extremes_between_grid_frequencies_are_found():
+    """In closed form +636 % and -80 %; the grid itself shows less than half of the first."""
+    omega = np.arange(0.5, 2.5, 0.01)
+    found = resonant(with_extremes(resonant, omega, "FSB"))
+    gain, coarse = (100 * (p.sel(design="A") / p.sel(design="FSB") - 1) for p in (found, resonant(omega)))
+    assert float(coarse.max()) < 300
+    assert (float(gain.max()), float(gain.min())) == pytest.approx((636.0, -80.0), abs=0.7)
+    assert float(gain.idxmax("omega")) == pytest.approx(1.0437, abs=1e-4)
+    assert set(omega) <= set(found.omega.values)
+    assert found.sizes["omega"] < len(omega) + 120
+
+
+def falling(omega):
+    """A rigid design whose power ends, and a gain that grows until it does: exp(2 omega) - 1 over 1/(1 + exp)."""
+    rigid = 1 / (1 + np.exp(40 * (omega - 1.0)))
+    values = [rigid, rigid * np.exp(2 * omega)]
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
+
+
+def test_gain_at_the_end_of_its_band_is_found():
+    omega = np.arange(0.3, 1.5, 0.037)
+    power = falling(with_extremes(falling, omega, "FSB"))
+    inside = power.omega.values[gain_band(power, "FSB").values]
+    end = inside.max()
+    fine = falling(np.linspace(end - 0.05, end + 0.05, 200001))
+    best, rigid = fine.max("design"), fine.sel(design="FSB")
+    ends = (best >= USEFUL_SHARE * power.max("design").max()) & ((rigid >= USEFUL_SHARE * 1.0) | (rigid >= 0.1 * best))
+    exact = float(fine.omega.values[ends.values].max())
+    assert np.exp(2 * end) == pytest.approx(np.exp(2 * exact), rel=2e-3)

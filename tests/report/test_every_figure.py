@@ -9,16 +9,10 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from report import (
-    test_campaign_figures,
-    test_curves,
-    test_hydro_figures,
-    test_response_figures,
-    test_side_by_side,
-)
+from report import test_campaign_page, test_figures, test_hydro_figures, test_side_by_side
 
 from vsb.models.shape_dependence import _EXPANSIONS
-from vsb.report.campaign_figures import DRAWN
+from vsb.report.campaign_page import DRAWN
 from vsb.report.canvas import style
 from vsb.report.figures import draw
 from vsb.report.hydro_figures import shape_figure, year_spectra
@@ -40,20 +34,18 @@ def swimming():
         },
         {"omega": OMEGA, "influenced_dof": labels, "radiating_dof": labels},
     )
-    time = test_curves.TIME
+    time = test_figures.TIME
     fading, dims = np.exp(-time)[:, None] * np.diag(sizes), ("time", "radiating_dof")
     kernels = {"kernel": (dims, fading), "kernel_state_space": (dims, 1.1 * fading)}
     radiation = xr.Dataset(kernels, {"time": time, "radiating_dof": labels})
     pushed = 5e4 * bump[None, :, None] * np.exp(0.3j * OMEGA[:, None] * np.arange(1, 4))
     database["excitation_force"] = (("wave_direction", "omega", "influenced_dof"), pushed)
-    given = test_curves.data(database=database.assign_coords(wave_direction=[0.0]), radiation=radiation)
-    given = replace(given, response=test_curves.responding().response, raos=test_response_figures.raos())
-    for k, found in enumerate(given.runs.values()):
+    given = test_figures.data(database=database.assign_coords(wave_direction=[0.0]), radiation=radiation)
+    given = replace(given, response=test_figures.responding().response, raos=test_figures.raos())
+    for found in given.runs.values():
         found.energy.loc[{"term": "stored"}] *= -1.0
         found.energy.loc[{"term": "radiated"}] *= 0.01  # less than a kilojoule
-        for name, size in (("stroke", 0.3), ("stroke_rate", 0.6)):
-            found[name] = ("time", (k + 1) * size * np.sin((1 + k) * time))
-    rolling = test_curves.run("VSWEC", 1.0).isel(dof=[0, 1]).assign_coords(dof=["Heave", "Pitch"])
+    rolling = test_figures.run("VSWEC", 1.0).isel(dof=[0, 1]).assign_coords(dof=["Heave", "Pitch"])
     rolling.position[{"dof": 1}] *= 100.0
     return replace(given, runs={**given.runs, ("FSB", "still"): rolling})
 
@@ -103,8 +95,8 @@ CASES = {
     **{
         f"{name}-still": (lambda name=name: draw(f"{name}-still", swimming())) for name in ("power_energy", "snapshots")
     },
-    "absorbed_power": lambda: draw("absorbed_power", test_curves.responding()),
-    "reactance": lambda: draw("reactance", test_curves.responding()),
+    "absorbed_power": lambda: draw("absorbed_power", test_figures.responding()),
+    "reactance": lambda: draw("reactance", test_figures.responding()),
     "rao": lambda: draw("rao", swimming()),
     "excitation": lambda: draw("excitation", swimming()),
     **{
@@ -114,7 +106,7 @@ CASES = {
     **{f"witness {w}": (lambda w=w: draw("witness", test_hydro_figures.crosschecked(w))) for w in (False, True)},
     "year_spectra": lambda: year_spectra(test_hydro_figures.year(0.7)),
     "shapes": lambda: shape_figure(shapes()),
-    **{name: (lambda name=name: DRAWN[name](test_campaign_figures.campaign(), "one", "FSB")) for name in DRAWN},
+    **{name: (lambda name=name: DRAWN[name](test_campaign_page.campaign(), "one", "FSB")) for name in DRAWN},
     "side_by_side": lambda: side_by_side((test_side_by_side.RIGID, test_side_by_side.SHELL, test_side_by_side.YEAR)),
 }
 

@@ -7,9 +7,8 @@ from report.test_figures import data
 
 from vsb.engine.waves.climate import Climate, band_edges
 from vsb.engine.waves.kinds import jonswap_spectrum
-from vsb.report.canvas import StudyData
+from vsb.report.canvas import StudyData, in_words
 from vsb.report.hydro_figures import spectra, witness, year_spectra
-from vsb.report.svg import in_words
 
 OMEGA = np.geomspace(0.2, 8.0, 400)
 SEAS = {"calm": (0.5, 4.0), "storm": (3.0, 10.0)}

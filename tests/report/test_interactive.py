@@ -1,33 +1,52 @@
-"""The page's JavaScript computes what Python computes, and the page works in a browser."""
+"""The page's JavaScript computes what Python computes; frames of animated buoys and bodies; both work in a browser."""
 
+import base64
 import json
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from browser import asked, evaluated
 from results.test_year import climate
 
+from vsb.engine.hydro.bodies.body import FlexibleBody
+from vsb.engine.hydro.bodies.hulls import hull_panels
+from vsb.engine.hydro.bodies.mesh import joined, wetted
+from vsb.engine.hydro.bodies.outline import cut
+from vsb.engine.hydro.bodies.plain_hulls import BoxHull, SphereHull
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers, mean_power
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, jonswap_spectrum
-from vsb.engine.waves.seas import components
+from vsb.engine.waves.seas import NO_WAVES, Sea, components
 from vsb.engine.waves.water import Water
-from vsb.report import html
+from vsb.report import page as pages
 from vsb.report.canvas import style
 from vsb.report.interactive import (
+    FROM_LEFT,
+    PER_PERIOD,
+    PERIODS,
+    PLANE,
     Grid,
     InteractiveSea,
+    View,
     as_script,
+    designs_data,
+    displaced_outline,
+    frames_data,
+    in_motion,
+    packed,
+    shapes_data,
     study_data,
+    surface,
     year_data,
 )
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.tools.variables import FORCE
 
-TEMPLATES = Path(html.__file__).parent / "templates"
+TEMPLATES = Path(pages.__file__).parent / "templates"
 ALGEBRA = (TEMPLATES / "algebra.js").read_text(encoding="utf-8")
 MASS, SPRING = 25e3, np.array([120e3, 90e3])
 DAMPERS = [300.0, 8e3, 4e5]
@@ -167,7 +186,7 @@ def page(data):
     values = dict.fromkeys(words, "") | {name: [] for name in lists}
     head = ["design", "power"]
     body = [["B", "20"], ["A", "100"], ["C", "-3"]]
-    return html.page(
+    return pages.page(
         "report.html.j2", interactive=as_script(data), kind="study", port=FORCE, facts={}, head=head, body=body, details_head=head, details=body,
         below=(), no_slider="", parts_head=(), parts=(), more_failed=0, doubts=0, thing="buoy", compared=True, animated=None, still="", at_force=(), elsewhere=(), **values,
     )  # fmt: skip
@@ -251,3 +270,187 @@ def test_force_limit_steps_through_stored_optima(page, tmp_path):
     assert "VSWEC at most 107 W at 1.2 kN" in words
     assert (found["limited"], found["band"]) == ([False, True], False)
     assert found["moved"] == ["damper", True, True]
+
+
+WAVE_PERIOD = 4.0
+WAVES = Sea(np.array([2 * np.pi / WAVE_PERIOD]), np.array([0.3 + 0.0j]))
+TIME = np.linspace(0.0, 60.0, 6001)
+LABELS = ["Heave", "Membrane0", "Membrane2"]
+
+
+def unpacked(text):
+    return np.frombuffer(base64.b64decode(text), dtype="<f4")
+
+
+def cosines(labels):
+    position = np.array([(n + 1) * np.cos(2 * np.pi / WAVE_PERIOD * TIME) for n in range(len(labels))]).T
+    return xr.DataArray(position, {"time": TIME, "dof": labels}, ("time", "dof"))
+
+
+@pytest.fixture
+def modes():
+    colatitude = np.linspace(0.0, np.pi, 181)
+    shapes = np.array([np.ones(181), np.cos(2 * colatitude)])
+    return xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), shapes), "meridional": (("mode", "colatitude"), 0 * shapes),
+            "static_amplitude": ("mode", [0.1, 0.0]),
+        },
+        coords={"colatitude": colatitude, "mode": LABELS[1:]},
+        attrs={"radius": 2.0, "centre_height": 0.5},
+    )  # fmt: skip
+
+
+def frames(water=None, waves=WAVES):
+    runs = {"FSB": cosines(LABELS[:1]), "VSWEC": cosines(LABELS)}
+    return frames_data("a swell", runs, waves, (0.0, 60.0), WAVE_PERIOD, View(3.4), water or Water(), LABELS[1:])
+
+
+def test_frames_show_the_last_periods_of_the_run():
+    found = frames()
+    time = found["start"] + found["step"] * np.arange(found["frames"])
+    assert (time[0], time[-1]) == (pytest.approx(60.0 - PERIODS * WAVE_PERIOD), pytest.approx(60.0))
+    assert found["frames"] == pytest.approx(PER_PERIOD * PERIODS, abs=2)
+    rigid, shell = found["designs"]
+    assert (rigid["modes"], shell["modes"], rigid["shell"]) == (0, 2, "")
+    np.testing.assert_allclose(unpacked(rigid["heave"]), np.cos(2 * np.pi / WAVE_PERIOD * time), atol=1e-4)
+    amplitudes = unpacked(shell["shell"]).reshape(-1, 2)
+    np.testing.assert_allclose(amplitudes, np.cos(2 * np.pi / WAVE_PERIOD * time)[:, None] * [2, 3], atol=1e-3)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_surface_obeys_the_dispersion_relation(depth):
+    """It is the incident elevation at the buoy's axis and travels towards x > 0."""
+    water = Water(depth=depth)
+    time, place = np.linspace(0, 8, 80, endpoint=False), np.array([0.0, 1.0])
+    found = surface(WAVES, time, place, water)
+    np.testing.assert_allclose(found[:, 0], WAVES.elevation(time), atol=1e-12)
+    omega = WAVES.omega[0]
+    delay = np.angle(np.exp(-1j * omega * time) @ found[:, 1] / (np.exp(-1j * omega * time) @ found[:, 0]))
+    number = -delay  # later, not earlier: waves go to x > 0
+    assert number * np.tanh(number * min(depth, 1e3)) == pytest.approx(omega**2 / 9.81, rel=1e-9)
+    assert not surface(NO_WAVES, time, place, water).any()
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.2])
+def test_surge_and_pitch_are_drawn_in_their_plane(drift):
+    """Motions out of the plane are left out; surge is about its mean and its drift."""
+    labels = ["Heave", "Membrane0", "Surge", "Pitch", "Membrane1c1", "Sway", "Membrane1s1"]
+    place = xr.DataArray(50.0 + drift * TIME, {"time": TIME}, ("time",))
+    drifting = cosines(labels) + place * xr.DataArray([0, 0, 1.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
+    found = frames_data(
+        "", {"A": drifting}, WAVES, (0.0, 60.0), WAVE_PERIOD, View(3.4), Water(), ["Membrane0", "Membrane1c1"]
+    )
+    (one,) = found["designs"]
+    assert one["modes"] == 2
+    surge = unpacked(one["surge"])
+    assert (surge.min(), surge.max()) == (pytest.approx(-3.0, rel=0.02), pytest.approx(3.0, rel=0.02))
+    np.testing.assert_allclose(unpacked(one["pitch"]), 4.0 * unpacked(one["heave"]), atol=1e-3)
+    moving = {"designs": [{"name": "A"}], "factor": 1.0, "shapes": {}, "seas": [found]}
+    assert in_motion(moving)["view"] == PLANE
+    assert in_motion({**moving, "seas": [frames()]})["view"] == FROM_LEFT
+    assert in_motion(None) is None
+
+
+def in_page(data, words):
+    """A page with nothing but moving buoys."""
+    scripts = "".join(f"<script>{pages.text_of(name)}</script>" for name in pages.SCRIPTS)
+    body = pages.page("buoys.html.j2", animated={"title": "Buoys", "words": words, "view": FROM_LEFT})
+    stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
+    return f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
+
+
+def test_odd_orders_and_pitch_in_the_browser(modes, tmp_path):
+    """Shapes of odd order change sign on the far side; pitch brings the top to the right."""
+    quarter = {name: packed([value]) for name, value in {"heave": 0.25, "surge": 0.5, "pitch": np.pi / 2}.items()}
+    sea = {**frames(), "frames": 1, "designs": [{**quarter, "modes": 2, "shell": packed([0.3, 0.2])}]}
+    shapes = shapes_data(modes.assign(order=("mode", [1, 0])))
+    data = {"designs": designs_data(["A"], None), "width": 3.4, "factor": 1.0, "shapes": shapes, "seas": [sea]}
+    script = """
+      buoys.play(false);
+      const [one] = buoys.sea.designs;
+      const tops = [false, true].map((opposite) => buoys.meridian(one, 0, opposite)[0]);
+      return { errors, tops, placed: buoys.placed(one, 0, [0, 2], 10) };"""
+    found = asked(in_page(data, "one buoy"), script, tmp_path)
+    assert found["errors"] == []
+    assert found["tops"] == [pytest.approx([0.0, 2.0 + 0.1 + each + 0.2]) for each in (0.3, -0.3)]
+    assert found["placed"] == pytest.approx([10 * (0.5 + 2.0), -10 * (0.5 + 0.25)], abs=1e-5)
+
+
+def test_reader_plays_pauses_and_steps(modes, tmp_path):
+    data = {
+        "designs": designs_data(["FSB", "VSWEC"], "FSB"), "width": 3.4, "factor": 0.1, "shapes": shapes_data(modes),
+        "seas": [frames()],
+    }  # fmt: skip
+    script = """
+      const part = (name) => document.querySelector(`#buoys [data-part="${name}"]`);
+      const found = { errors, begins: buoys.playing, says: part("play").textContent };
+      buoys.play(false);
+      const due = [];
+      globalThis.requestAnimationFrame = (step) => due.push(step);
+      buoys.play(true);
+      for (let now = 0; now <= 1000; now += 100) due.shift()(now);
+      found.played = buoys.frame;
+      part("moment").value = 12;
+      part("moment").dispatchEvent(new Event("input"));
+      const held = buoys.frame;
+      while (due.length) due.shift()(9000);
+      const [top, equator] = [buoys.meridian(buoys.sea.designs[1], 0)[0], buoys.meridian(buoys.sea.designs[1], 0)[23]];
+      const pixels = part("canvas").getContext("2d").getImageData(0, 0, part("canvas").width, part("canvas").height).data;
+      return { ...found, held, stays: buoys.frame, stopped: buoys.playing, moment: part("moment-says").textContent, top, equator, inked: pixels.some((v) => v > 0) };"""
+    found = asked(in_page(data, "two buoys"), script, tmp_path)
+    stored_frames = frames()
+    assert (found["errors"], found["begins"], found["says"]) == ([], True, "pause")
+    assert found["played"] == int(1.0 / stored_frames["step"]), "a second is a second"
+    assert (found["held"], found["stays"], found["stopped"]) == (12, 12, False)
+    assert found["moment"] == f"{stored_frames['start'] + 12 * stored_frames['step']:.2f} s"
+    amplitudes = np.array([0.1, 0.0]) + 0.1 * unpacked(stored_frames["designs"][1]["shell"])[:2]
+    assert found["top"] == pytest.approx([0.0, 2.0 + amplitudes.sum()], abs=1e-5)
+    assert found["inked"]
+
+
+CENTRE = np.array([0.0, 0.0, 1.0])
+
+
+def floating(*hulls):
+    """Bodies that heave, and pitch about a point above still water, by hull and its place along y."""
+    parts = []
+    for hull, y in hulls:
+        vertices, faces = hull_panels(hull)
+        wet = wetted(vertices, faces)
+        parts.append((wet.vertices + np.array([0.0, y, 0.0]), wet.faces))
+    vertices, faces = joined(parts) if len(parts) > 1 else parts[0]
+    shapes = np.array([np.tile([0.0, 0.0, 1.0], (len(vertices), 1)), np.cross([0.0, 1.0, 0.0], vertices - CENTRE)])
+    return FlexibleBody(
+        vertices, faces, ("Heave", "Pitch"), shapes[:, faces].mean(axis=2), shapes, centre_of_mass=CENTRE
+    )
+
+
+@pytest.fixture
+def box():
+    hull = BoxHull(kind="box", length=8.0, width=4.0, height=3.0, draft=2.0, panel=1.0)
+    return cut(floating((hull, 0.0)))
+
+
+def test_corner_of_a_box_moves_as_heave_and_pitch_do(box):
+    """Linear: x + theta (z - z0), z + heave - theta x; a positive pitch takes the bow, x > 0, down."""
+    heave, theta = np.array([0.0, 0.3]), np.array([0.0, 0.02])
+    position = xr.DataArray(np.array([theta, heave]).T, {"dof": ["Pitch", "Heave"]}, ("time", "dof"))
+    rest, moved = displaced_outline(box, position)
+    ends = box.outline.values
+    assert (ends.min(axis=(0, 1)), ends.max(axis=(0, 1))) == (pytest.approx([-4, 0, -2]), pytest.approx([4, 0, 0]))
+    lengths = np.linalg.norm(rest[:, 1] - rest[:, 0], axis=1)
+    assert lengths.sum() == pytest.approx(8.0 + 2 * 2.0)
+    corner = np.isclose(rest, [4.0, -2.0]).all(axis=-1)
+    assert corner.sum() == 2, "of the bottom and of the bow"
+    expected = [4.0 + 0.02 * (-2.0 - 1.0), -2.0 + 0.3 - 0.02 * 4.0]
+    np.testing.assert_allclose(moved[corner], [expected, expected], atol=1e-12)
+
+
+def test_every_part_is_cut_through_its_own_middle():
+    """Two spheres beside each other: half circles of their radius, as well as panels are spheres."""
+    sphere = SphereHull(kind="sphere", radius=3.0, draft=3.0, panel=0.5)
+    ends = cut(floating((sphere, -5.0), (sphere, 5.0))).outline.values
+    assert set(ends[..., 1].round(9).ravel()) == {-5.0, 5.0}
+    np.testing.assert_allclose(np.linalg.norm(ends[..., ::2], axis=-1), 3.0, rtol=0.02)
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(2 * 3.0 * np.pi, rel=0.02)

@@ -1,4 +1,4 @@
-"""The report page of a study: statements, tables and their data."""
+"""The report page of a study: statements, tables and their data, figures and numbers in HTML."""
 
 import csv
 import html
@@ -6,13 +6,15 @@ import io
 import re
 import urllib.parse
 
+import jinja2
 import numpy as np
+import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from report.test_answer import SWELL
-from report.test_doubts import BUCKLING, HEAVE
+from report.test_answer import BUCKLING, HEAVE, SWELL
 
+from vsb.report import page as pages
 from vsb.report.answer import tuning_head, tuning_table
 from vsb.report.page import (
     DETAILS,
@@ -170,3 +172,27 @@ def test_tables_can_be_downloaded_as_they_stand():
         assert found[name] == [list(head), *body], name
     bare = render(Report(STUDY, {"w": "a swell"}, rows[:2], [], None, "FSB", {}, {}))
     assert [name for name in tables if f'download="{name}.csv"' in bare] == ["given_damper", "energy"]
+
+
+def test_table_can_be_downloaded():
+    body = [['a "b", c', "1 %"], ["<i>", "2"]]
+    link = pages.csv_link("t", ["x", "y"], body)
+    data = re.search(r'href="data:text/csv;charset=utf-8,([^"]*)"', link)[1]
+    assert list(csv.reader(io.StringIO(urllib.parse.unquote(data)))) == [["x", "y"], *body]
+
+
+def test_sea_is_named_in_a_table_of_several_only():
+    assert pages.filled(["design", "sea"], [["A", "T3"], ["B", "T3"]]) == (["design"], [["A"], ["B"]])
+    assert pages.filled(["design", "sea"], [["A", "T3"], ["A", "T4"]])[0] == ["design", "sea"]
+
+
+def test_missing_value_of_a_template_raises():
+    with pytest.raises(jinja2.UndefinedError, match="is undefined"):
+        pages.page("campaign.html.j2")
+
+
+def test_negative_numbers_have_one_minus_sign():
+    """Numbers of text alone: no name, date, exponent, script, figure, file or study is changed."""
+    text = '<p title="-1">-6.3 % (-.5 to -1e-05), 2026-11-29, VSWEC-2, up-1, -</p><pre>x: -0.8</pre><svg>-1</svg>'
+    signs = text.replace(">-6.3 % (-.5 to -1e", ">\N{MINUS SIGN}6.3 % (\N{MINUS SIGN}.5 to \N{MINUS SIGN}1e")
+    assert pages.with_minus_signs(text) == signs

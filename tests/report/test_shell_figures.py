@@ -1,5 +1,6 @@
-"""Figures of the shell: closed outlines at their place, magnified by a round factor."""
+"""Figures of the shell: closed outlines at their place, magnified by a round factor; sketches of designs."""
 
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,9 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from vsb.report import shell_figures as figures
-from vsb.report.canvas import STYLES, StudyData
+from vsb.report.canvas import STYLES, StudyData, style
+from vsb.report.shell_figures import sketch, sketches
+from vsb.study.study import parse
 
 PHI = np.linspace(0.0, np.pi, 19)
 TIME = np.linspace(0.0, 10.0, 101)
@@ -108,15 +111,40 @@ def test_mode_of_order_one_moves_both_meridians_the_same_way():
     assert shift[0, 0] > 0.1
 
 
-@pytest.mark.parametrize(
-    ("largest", "factor"),
-    [
-        (0.0, 1.0),
-        (0.0801, 2.0),
-        (0.0401, 5.0),
-        (0.41, 1.0),
-    ],
-)
+@pytest.mark.parametrize(("largest", "factor"), [(0.0, 1.0), (0.0801, 2.0), (0.0401, 5.0), (0.41, 1.0)])
 def test_magnification_is_the_largest_round_factor_within_a_fifth_of_the_radius(largest, factor):
     assert figures.round_factor(largest, 2.0) == pytest.approx(factor)
     assert figures.round_factor(3 * largest, 6.0) == pytest.approx(factor)
+
+
+DESIGNS = {
+    "FSB": {"flexible": False, "clamp": []},
+    "VSWEC": {"flexible": True, "clamp": []},
+    "VSWEC0": {"flexible": True, "clamp": [0.0]},
+    "two": {"flexible": True, "clamp": [30.0, 180.0]},
+}
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_sketch_has_the_colour_and_clamps_of_its_design(name):
+    text = sketch(name, DESIGNS, 0.2)
+    root = ET.fromstring(text)
+    assert root.get("aria-label").startswith(f"{name}, ")
+    assert style(name, list(DESIGNS), "FSB")["color"] in text
+    assert text.count('class="clamp"') == 2 * len(DESIGNS[name]["clamp"])
+    assert ("stroke-dasharray" in text) == DESIGNS[name]["flexible"]
+
+
+@pytest.mark.parametrize("radius", [0.5, 2.0, 7.0])
+@pytest.mark.parametrize("draft", [0.6, 1.0, 1.3])
+def test_sphere_floats_at_its_draft(seed, radius, draft):
+    """In radii, of 34 units each; the take-off begins at its keel."""
+    raw = seed.model_dump() | {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}, "published": None}
+    raw["device"] |= {"radius": radius, "thickness": radius / 200, "draft": draft * radius}
+    del raw["device"]["mass"]
+    for one in sketches(parse(raw, source="sphere")):
+        root = ET.fromstring(one["svg"])
+        (body,) = root.iter("circle")
+        assert float(body.get("cy")) + float(body.get("r")) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)
+        line = next(e.get("d") for e in root.iter("path") if e.get("class") == "takeoff")
+        assert float(line.removeprefix("M70 ").partition("V")[0]) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)

@@ -19,7 +19,7 @@ from vsb.keys.reading import validated
 from vsb.models.load_advice import advice
 from vsb.models.rest import reference_shell, study_basis
 from vsb.models.viability import static_modal_amplitude
-from vsb.report.doubts import ADVICE, REASONS
+from vsb.report.answer import ADVICE, REASONS
 from vsb.results import ledger
 from vsb.results.budget import MODES, Source
 from vsb.results.ladder import ControlLevel

@@ -21,8 +21,8 @@ from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
 from vsb.results.left_out import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
-from vsb.stages.campaign import swept_shape
 from vsb.stages.make import make
+from vsb.stages.members import swept_shape
 from vsb.study.sections import Modes
 
 PERIODS = (2.5, 3.0, 3.06, 3.3, 5.0, 8.0)

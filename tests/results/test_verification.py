@@ -33,7 +33,7 @@ from vsb.results.verification import (
     with_all_designs,
 )
 from vsb.results.year import band_weights, frequencies, year
-from vsb.stages.verification import powers_in_time
+from vsb.stages.members import powers_in_time
 
 SPECTRA = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 

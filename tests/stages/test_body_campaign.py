@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from stages.test_members import with_seas
-from stages.test_two_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
+from stages.test_published_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
 
 from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.errors import ConfigError

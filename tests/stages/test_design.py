@@ -37,7 +37,7 @@ from vsb.report.design_page import (
     warnings,
 )
 from vsb.results.budget import MODES
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes, under_limits
 from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table

@@ -21,8 +21,8 @@ from vsb.models.floating_system import floating_system
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.plans import plan_of
 from vsb.results.year import band_weights, frequencies, year
-from vsb.stages import campaign, campaign_report
-from vsb.stages.climate import read_climate
+from vsb.stages import campaign, members
+from vsb.stages.check import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import function_of, specification
 from vsb.stages.verify import verify
@@ -69,12 +69,8 @@ def parsed(stage, spec):
 
 def batches(plan):
     for task in plan.batches.values():
-        campaign.run_members(
-            parsed("members", task.spec),
-            plan.loaded.climate_path,
-            f"{plan.folder}/members",
-            plan.root,
-            task.out,
+        members.run_members(
+            parsed("members", task.spec), plan.loaded.climate_path, f"{plan.folder}/members", plan.root, task.out
         )
 
 
@@ -94,7 +90,7 @@ def run(plan):
     """Data of a campaign with its report."""
     found = computed(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run_campaign_report(
+    campaign.run_campaign_report(
         parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found
@@ -103,7 +99,7 @@ def run(plan):
 @pytest.fixture(scope="module")
 def swept(folder):
     plan = planned(folder, MODULI)
-    return plan, run(plan)
+    return plan, computed(plan)
 
 
 def year_apart(plan, study, root):
@@ -132,7 +128,7 @@ def test_campaign_member_equals_the_year_of_its_study(folder, swept):
 
 @pytest.mark.parametrize("rest", ["undeformed", "equilibrium"])
 def test_member_of_another_shape_equals_the_year_of_its_study(folder, tmp_path, rest):
-    """A capsule under pressure, of two lengths."""
+    """A capsule under pressure, the longer one of two."""
     device = {
         "radius": 1.5, "shape": {"capsule": {"length": 1.0}}, "thickness": 0.03, "young_modulus": 5e7,
         "poisson_ratio": 0.3, "density": 1100.0, "internal_pressure": 3e4,
@@ -140,12 +136,10 @@ def test_member_of_another_shape_equals_the_year_of_its_study(folder, tmp_path, 
     more = {"device": device, "modes": {"degree": 4}, "reference_shape": rest, "hydro": {"omega_max": 9.0}}
     plan = planned(folder, {"device.shape.capsule.length": [1.0, 1.5]}, f"capsule_{rest}", **more)
     found = computed(plan)
-    for member in plan.members:
-        apart = year_apart(plan, member.study, str(tmp_path / "apart"))
-        at = found.sel(length=member.study.device.shape.capsule.length)
-        for name in ("annual_mean_power", "capture_width"):
-            np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
-        np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-5)
+    apart, at = year_apart(plan, plan.members[1].study, str(tmp_path / "apart")), found.sel(length=1.5)
+    for name in ("annual_mean_power", "capture_width"):
+        np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
+    np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-5)
 
 
 def test_scatter_figure_shows_the_share_of_hours_of_each_bin(swept):
@@ -232,8 +226,8 @@ def test_killed_campaign_resumes_to_the_same_bytes(folder):
     gather(cut)
     for batch in plan.batches:
         assert Path(cut.batches[batch].out).read_bytes() == Path(whole.batches[batch].out).read_bytes()
-    for name in ("data_path", "table_path"):
-        assert Path(getattr(cut, name)).read_bytes() == Path(getattr(whole, name)).read_bytes()
+    for one, other in zip(cut.campaign.makes, whole.campaign.makes, strict=True):
+        assert Path(one).read_bytes() == Path(other).read_bytes()
 
 
 def test_designs_that_buckle_are_recorded_as_not_viable(folder):
@@ -255,10 +249,7 @@ def test_designs_that_buckle_are_recorded_as_not_viable(folder):
 
 @pytest.mark.parametrize(
     ("pto", "missing"),
-    [
-        ({"damping": 8e3, "port": {"between": [0, 180]}}, ["fixed", "one"]),
-        ({"damping": 0.0}, ["fixed"]),
-    ],
+    [({"damping": 8e3, "port": {"between": [0, 180]}}, ["fixed", "one"]), ({"damping": 0.0}, ["fixed"])],
     ids=["between two points of the shell", "no damping"],
 )
 def test_no_gain_is_given_where_the_rigid_design_absorbs_nothing(folder, pto, missing):

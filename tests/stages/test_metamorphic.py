@@ -5,7 +5,7 @@ import re
 import pytest
 import yaml
 from conftest import tables_of
-from stages.test_body_invariance import barge
+from stages.test_invariance import barge
 
 import vsb
 from vsb.engine.hydro.database import save_database
@@ -83,10 +83,7 @@ def test_every_surface_shows_one_power_with_its_interval(plain):
     assert power(best.power_mean, best.low, best.high) in repr(results)
 
 
-LIMITS = {
-    "stroke": {"stroke_limit": 50.0},
-    "force": {"law": "saturated", "force_limit": 1e8},
-}
+LIMITS = {"stroke": {"stroke_limit": 50.0}, "force": {"law": "saturated", "force_limit": 1e8}}
 
 
 @pytest.mark.parametrize("name", LIMITS)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from stages.test_body_invariance import barge
+from stages.test_invariance import barge
 from stages.test_members import BASE, batches, gather, parsed, with_seas
 
 from vsb.engine.hydro.database import save_database
@@ -17,7 +17,7 @@ from vsb.report.campaign_answer import answer as answer_of
 from vsb.report.campaign_page import head, rows, warnings
 from vsb.results.campaign import with_verification
 from vsb.results.verification import DesignInTime
-from vsb.stages import campaign_report, verification
+from vsb.stages import campaign, members
 from vsb.stages.body_preview import check
 from vsb.study.body import located
 from vsb.tools import packed
@@ -52,7 +52,7 @@ def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "on
 
 def simulated(plan):
     for task in plan.verifications.values():
-        verification.run_verification(
+        members.run_verification(
             parsed("verification", task.spec), plan.loaded.climate_path, plan.root, task.out
         )  # fmt: skip
     return [load(task.out, expected=task.id) for task in plan.verifications.values()]
@@ -63,7 +63,7 @@ def run(plan):
     found = simulated(plan)
     gather(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run_campaign_report(
+    campaign.run_campaign_report(
         parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found, load(plan.data_path, expected=plan.identity)

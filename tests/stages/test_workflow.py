@@ -1,4 +1,4 @@
-"""The workflow as a user runs it: from scratch, again, after changes, killed and resumed."""
+"""The workflow as a user runs it: from scratch, again, after changes, killed and resumed; studies and campaigns."""
 
 import copy
 import csv
@@ -22,6 +22,8 @@ import pytest
 import yaml
 from conftest import SEED
 from snakemake.shell import shell
+from stages.test_members import BASE as MEMBER_BASE
+from stages.test_members import with_seas
 
 import vsb
 from vsb.cli import main
@@ -31,8 +33,7 @@ from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
 from vsb.tools.files import load, read_groups
-
-pytestmark = pytest.mark.slow
+from vsb.tools.shipped import HOME
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
@@ -125,6 +126,7 @@ def with_(**changes):
     return raw
 
 
+@pytest.mark.slow
 def test_all_products_are_there_and_consistent(folder):
     results = folder / "results" / "base"
     rows = list(csv.DictReader((results / "comparison.csv").open()))
@@ -157,6 +159,7 @@ def test_all_products_are_there_and_consistent(folder):
         assert names == {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
 
 
+@pytest.mark.slow
 def test_specification_longer_than_a_shell_argument(folder, monkeypatch, tmp_path):
     """Linux takes no argument above 128 KiB."""
     monkeypatch.chdir(tmp_path)
@@ -169,6 +172,7 @@ def test_specification_longer_than_a_shell_argument(folder, monkeypatch, tmp_pat
     assert load("modes.nc").equals(load(folder / "results/base/modes.nc"))
 
 
+@pytest.mark.slow
 def test_lost_product_is_remade(folder):
     lost = folder / "results/base/comparison.csv"
     text = lost.read_text()
@@ -177,6 +181,7 @@ def test_lost_product_is_remade(folder):
     assert lost.read_text() == text
 
 
+@pytest.mark.slow
 def test_second_run_has_nothing_to_do(folder, monkeypatch):
     assert planned(folder, BASE) == {}
     monkeypatch.chdir(folder)
@@ -197,6 +202,7 @@ def contents(path):
     return repr([(name, ds.to_dict()) for name, ds in said.items()])
 
 
+@pytest.mark.slow
 def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypatch):
     """By panels, with the second solver."""
     shutil.copytree(folder / "results/hydro/green", tmp_path / "results/hydro/green")
@@ -210,6 +216,7 @@ def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypa
     ]
 
 
+@pytest.mark.slow
 def test_changes_rerun_only_what_depends_on_them(folder):
     rules = planned(folder, with_(pto={"damping": 5000.0}), "pto")
     assert rules == {"response": 1, "simulate": 1, "results": 1}
@@ -250,6 +257,7 @@ def solvers(process):
         return []
 
 
+@pytest.mark.slow
 def test_killed_run_resumes_to_identical_numbers(folder):
     raw = with_(
         study="killed",
@@ -292,6 +300,7 @@ def test_killed_run_resumes_to_identical_numbers(folder):
     assert (folder / "results/killed/comparison.csv").read_text() == resumed
 
 
+@pytest.mark.slow
 def test_failed_check_fails_the_run(folder):
     # 4 rows up to 2 rad/s cannot satisfy Kramers-Kronig: the band ends where the damping peaks
     raw = with_(study="coarse", hydro={"rows": 12, "omega_max": 2.0, "witness": "none"}, waves=[{"kind": "still"}])
@@ -300,3 +309,43 @@ def test_failed_check_fails_the_run(folder):
     last = failed.stderr.strip().splitlines()[-1]
     assert last.startswith("vsb: error: hydro database: check 'kramers_kronig' failed: ")
     assert "list the name under hydro.accept" in last
+
+
+@pytest.fixture(scope="module")
+def campaign_folder(tmp_path_factory):
+    place = with_seas(tmp_path_factory.mktemp("year"), (1.0, 6.0), (2.2, 9.0), (3.1, 12.0))
+    (place / "seed.yaml").write_text(yaml.safe_dump(MEMBER_BASE))
+    given = {"campaign": "soft", "study": "seed.yaml", "climate": {"spectra": "sea.txt"}, "tuning": ["one"]}
+    given["vary"] = {"device.young_modulus": [1e6, 1e7]}
+    (place / "soft.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
+    return place
+
+
+def vsb_run(place, *options):
+    """What a run of the campaign says, which must succeed."""
+    done = run(place, "soft.yaml", *options)
+    assert done.returncode == 0, done.stderr + done.stdout
+    return done.stdout + done.stderr
+
+
+def test_campaign_from_plan_to_report(campaign_folder):
+    out = vsb_run(campaign_folder, "--cores", "2", "--verbose")
+    rows = re.findall(r"^(members|campaign|all|total) +(\d+)$", out, re.MULTILINE)
+    assert dict(rows) == {"members": "1", "campaign": "1", "all": "1", "total": "3"}
+    assert len(re.findall(r"Finished jobid", out)) == 3
+    assert "\x1b" not in out  # progress is for terminals
+    assert "results/soft/report.html" in out
+    assert "Nothing to be done" in vsb_run(campaign_folder, "-n")
+
+
+@pytest.mark.slow
+def test_snakemakes_report_has_captions_and_categories(campaign_folder):
+    """Of all outputs of a campaign."""
+    vsb_run(campaign_folder, "--cores", "2")
+    options = ["--snakefile", str(HOME / "workflow" / "Snakefile"), "--configfile", "soft.yaml", "--cores", "1"]
+    options += ["--workflow-profile", "none", "--report", "all.html"]
+    subprocess.run([sys.executable, "-m", "snakemake", *options], cwd=campaign_folder, check=True, timeout=300)
+    text = (campaign_folder / "all.html").read_text()
+    for part in ("The answer of campaign soft", "A figure of campaign soft", "every point, design and tuning"):
+        assert part in text
+    assert all(f'"{category}"' in text for category in ("The answer", "Numbers", "Figures"))

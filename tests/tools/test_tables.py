@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from vsb.errors import DatabaseError
-from vsb.report.svg import svg_text
+from vsb.report.canvas import svg_text
 from vsb.tools.stamps import check_table
 from vsb.tools.words import csv_text
 

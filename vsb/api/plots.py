@@ -1,6 +1,6 @@
 """Figures of opened results for notebooks and papers: matplotlib axes in, axes out; a design keeps its colour."""
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,46 +13,16 @@ from vsb.engine.hydro.labels import ROTATIONS, motion_of
 from vsb.engine.motion.linear import direction_index
 from vsb.errors import ConfigError
 from vsb.models.floating_system import heading, study_sea
-from vsb.report.animation import displaced_outline, largest_motion, outline_data, surface, without_drift
 from vsb.report.canvas import bin_edges, number_cells, style
+from vsb.report.interactive import displaced_outline, largest_motion, outline_data, surface, without_drift
 from vsb.report.shell_figures import outline
 from vsb.results.year import HEIGHT, PERIOD
-from vsb.study.body import AnyStudy
 from vsb.tools.arrays import FloatArray
 
 FRAMES_PER_PERIOD = 24
 PERIODS_SHOWN = 4
 SEEN = 1.7
 """Half the width of the water in an animation, in half widths of the meridian."""
-
-
-class StudyResults(Protocol):
-    """What figures of a study are drawn from: `vsb.Results`."""
-
-    @property
-    def study(self) -> AnyStudy:
-        """The study."""
-
-    @property
-    def response(self) -> xr.Dataset:
-        """Frequency response."""
-
-    @property
-    def database(self) -> xr.Dataset:
-        """Hydro database."""
-
-    @property
-    def modes(self) -> xr.Dataset:
-        """Shapes of the shell modes."""
-
-    def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
-        """Time series of a design in a sea."""
-
-    def period(self, wave: str | None = None) -> float:
-        """Period of a sea."""
-
-    def power_matrix(self) -> xr.Dataset:
-        """Power over heights and periods of seas."""
 
 
 class _Moving(NamedTuple):
@@ -65,26 +35,15 @@ class _Moving(NamedTuple):
     heights: tuple[float, float]  # that are seen [m]
 
 
-class CampaignResults(Protocol):
-    """What figures of a campaign are drawn from: `vsb.Campaign`."""
-
-    @property
-    def tunings(self) -> list[str]:
-        """Tunings of the take-off."""
-
-    def at(self, **point: Any) -> xr.Dataset:
-        """Results at one point of what is varied."""
-
-
 class StudyPlots:
     """Figures of a study's results.
 
     Parameters
     ----------
-    results : StudyResults
+    results : vsb.Results
     """
 
-    def __init__(self, results: StudyResults) -> None:
+    def __init__(self, results: Any) -> None:
         self._results = results
 
     def style(self, design: str) -> dict[str, Any]:
@@ -259,10 +218,10 @@ class CampaignPlots:
 
     Parameters
     ----------
-    campaign : CampaignResults
+    campaign : vsb.Campaign
     """
 
-    def __init__(self, campaign: CampaignResults) -> None:
+    def __init__(self, campaign: Any) -> None:
         self._campaign = campaign
 
     def power_matrix(

@@ -1,7 +1,8 @@
-"""Run a study from Python, and the results of a study as tables and labelled arrays, each read when asked for."""
+"""Run a study from Python, open what a run left: results as tables and labelled arrays, each read when asked for."""
 
 import csv
 import json
+import os
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from vsb.api.best_buoy import BestBuoy
+from vsb.api.campaign import Campaign
 from vsb.api.plots import StudyPlots
 from vsb.engine.hydro.database import load_database
 from vsb.engine.motion.constrained import ConstrainedOptimum, optimum_in_sea
@@ -25,7 +27,7 @@ from vsb.engine.motion.take_off import Pto, port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate
 from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.engine.waves.scatter import climate_of_cells
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
@@ -34,11 +36,11 @@ from vsb.report.answer import closing_line, limits_aside
 from vsb.results.series import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
-from vsb.study.body import AnyStudy, LocatedBody
+from vsb.study.body import AnyStudy, LocatedBody, is_body, located
 from vsb.study.campaign import check_conversion
 from vsb.study.design import LoadedDesign
 from vsb.study.specs import SimulateSpec
-from vsb.study.study import Study
+from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
@@ -455,3 +457,36 @@ def _known(what: str, name: str, names: Iterable[str]) -> str:
     if name not in (known := list(names)):
         raise ConfigError(f"{what}: received {name!r}, needs one of {', '.join(known)}")
     return name
+
+
+def open(path: str | Path) -> Results | Campaign | BestBuoy:
+    """Open the results of a study, of a campaign or of a design problem.
+
+    Parameters
+    ----------
+    path : str or Path
+        Its folder, such as `results/buoy` or `results/year`.
+
+    Raises
+    ------
+    DatabaseError
+        If the folder holds no results.
+    """
+    root, name = os.path.split(Path(path).resolve())
+    root = os.path.relpath(root)
+    folder = Path(root, name)
+    if (folder / "campaign.nc").is_file():
+        return Campaign(str(folder))
+    if (folder / "design.nc").is_file():
+        return BestBuoy(str(folder))
+    text = folder / "study.json"
+    if not text.is_file():
+        raise DatabaseError(f"{folder}: holds no results; needs what vsb run wrote, such as results/buoy")
+    try:
+        raw = json.loads(text.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        raise DatabaseError(f"{text}: is damaged; delete it and run vsb run CONFIG again") from None
+    study = located(raw, str(text)).study if is_body(raw) else parse(raw, source=str(text))
+    if name != study.study:
+        raise DatabaseError(f"{folder}: holds the study {study.study}; needs a folder of that name")
+    return Results(study, root)

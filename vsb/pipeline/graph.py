@@ -51,8 +51,8 @@ class Stage(NamedTuple):
 
 
 STAGES = {
-    "modes": Stage("modes", "shell", "shell modes"),
-    "display": Stage("meshes", "shell", "the shell deformed by each mode"),
+    "modes": Stage("modes", "water", "shell modes"),
+    "display": Stage("meshes", "water", "the shell deformed by each mode"),
     "green": Stage("green", "panels", "Green-function table of the panels"),
     "mesh": Stage("mesh", "panels", "mean wetted mesh"),
     "panels": Stage("panels", "panels", "a block of frequencies by panels"),
@@ -66,13 +66,13 @@ STAGES = {
     "response": Stage("response", "frequency", "frequency response"),
     "ladder": Stage("response", "frequency", "control levels"),
     "simulate": Stage("simulate", "simulate", "motion in time"),
-    "compare": Stage("results", "compare", "comparison and doubts"),
+    "compare": Stage("results", "report", "comparison and doubts"),
     "figures": Stage("results", "report", "figures"),
     "report": Stage("results", "report", "report"),
-    "members": Stage("members", "campaign", "points over the year"),
-    "verification": Stage("verification", "verification", "seas of the year in time"),
+    "members": Stage("members", "members", "points over the year"),
+    "verification": Stage("verification", "members", "seas of the year in time"),
     "campaign": Stage("campaign", "campaign", "all points together"),
-    "campaign_report": Stage("campaign", "campaign_report", "report"),
+    "campaign_report": Stage("campaign", "campaign", "report"),
     "design_start": Stage("design_start", "design", "a search from one start"),
     "design_front": Stage("design_front", "design", "the best over the values of a limit"),
     "design_verification": Stage("design_verification", "design_verification", "the best buoys in time"),

@@ -1,14 +1,17 @@
-"""The answer of a study in sentences: gains with every design at its own optimal damping, and what is not valid."""
+"""The answer of a study in sentences: gains with every design at its own optimal damping, and what is not valid.
+
+With it the reasons of doubts in words, and the band of wave frequencies over which gains are stated.
+"""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from vsb.engine.motion.take_off import DEFAULTS, LAWS, port_kind
-from vsb.report.band import gain_band, useful_band
-from vsb.report.doubts import no_answer, reasons
+from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.tools.words import (
     SAME,
     against,
@@ -18,6 +21,7 @@ from vsb.tools.words import (
     multiple,
     plain,
     power,
+    short,
     the_rigid,
     watts,
 )
@@ -65,20 +69,9 @@ def headline(
 ) -> Answer:
     """Return the answer of a study in its seas and over all waves; empty if there is no gain.
 
-    Parameters
-    ----------
-    lines : sequence of dict
-        Of `vsb.results.gains.Tuned`.
-    best_power : DataArray, dims (design, omega) [W/m^2]
-        At the optimal damping of each design and frequency.
-    reference : str or None
-        The rigid design gains are measured against.
-    invalid : sequence of dict
-        Designs that are not valid in a sea; the best one is chosen among the others.
-    neglected : str
-        What `best_power` leaves out, in words.
-    aside : str
-        What powers at optimal damping leave aside, see `limits_aside`.
+    `lines` are of `vsb.results.gains.Tuned`, `best_power` [W/m^2] is at the optimal damping of each design and
+    frequency, gains are against the rigid design `reference`, the best design is chosen among those not `invalid` in a
+    sea. `neglected` says what `best_power` leaves out, `aside` what powers at optimal damping do, see `limits_aside`.
     """
     others = [line for line in lines if line["design"] != reference and line["best_gain_percent"] is not None]
     if reference is None or not others:
@@ -152,7 +145,7 @@ def limits_aside(pto: Mapping[str, Any]) -> str:
 
 USEFUL = "a design absorbs at least 5 % of the maximum"
 WITH_RIGID = "the rigid design absorbs at least 5 % of its maximum, or a tenth of the best one's power"
-"""Bands over which gains are stated, see `vsb.report.band`."""
+"""Bands over which gains are stated, see `vsb.report.answer`."""
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
@@ -206,15 +199,7 @@ def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str], 
 
 
 def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]) -> list[str]:
-    """Return, for each sea, what the designs can absorb within the limits of the take-off.
-
-    Parameters
-    ----------
-    lines : sequence of dict
-        Of `vsb.results.gains.Limited`.
-    reference, seas
-        See `headline`.
-    """
+    """Return, for each sea, what the designs can absorb within limits, of `vsb.results.gains.Limited`."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         parts = []
@@ -227,17 +212,7 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
 
 
 def at_force_statements(lines: Lines, reference: str | None, seas: dict[str, str], unit: str) -> list[str]:
-    """Return, for each irregular sea, what the designs absorb under causal control of one rms force, that of all.
-
-    Parameters
-    ----------
-    lines : sequence of dict
-        Of `vsb.results.gains.AtForce`.
-    reference, seas
-        See `headline`.
-    unit : str
-        Of the rms force.
-    """
+    """Return, for each irregular sea, what the designs absorb under causal control of one rms force, in its unit."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name and line["force_rms"] is not None]
@@ -269,18 +244,14 @@ AT_FORCE = (
 
 def at_force_table(lines: Lines) -> list[list[str]]:
     """Return the cells of the table of causal control, of lines of `vsb.results.gains.AtForce`."""
-
-    def percent(value: float | None, *ends: float | None) -> str:
-        return "-" if value is None else gain_text(value, *ends)
-
     damper = {True: "", False: " (the damper)"}
     return [
         [
             line["design"], line["sea"], "-" if line["force_rms"] is None else plain(line["force_rms"]),
             plain(line["power"]) + damper[line["damper"] is None],
-            percent(line["gain_percent"], line["low"], line["high"]),
+            _percent(line["gain_percent"], line["low"], line["high"]),
             interval_text(line["low"], line["high"]) or "-", plain(line["damper_power"]),
-            percent(line["damper_gain_percent"]),
+            _percent(line["damper_gain_percent"]),
         ]
         for line in lines
     ]  # fmt: skip
@@ -344,18 +315,26 @@ def shares_text(lines: Lines, sea: str, unit: str) -> str:
     return f"; at {dampings} {known[0]['design']} reaches {first} of its optimum{rest}"
 
 
+def cell(value: Any, form: str = "", factor: float = 1.0) -> str:
+    """Return a number in a form, or to four digits without an exponent; a dash for none."""
+    if value in MISSING:
+        return "-"
+    return format(factor * float(value), form) if form else plain(factor * float(value))
+
+
+def _percent(value: float | None, *ends: float | None) -> str:
+    """A gain to the decimals its interval resolves; a dash for none."""
+    return "-" if value is None else gain_text(value, *ends)
+
+
 def parts_table(lines: Lines) -> list[list[str]]:
     """Return which source of error is which part of the interval of every gain at optimal damping."""
     return [
-        [line["design"], line["sea"], source["name"], _points(source["low"]), _points(source["high"]), source["kind"]]
+        [line["design"], line["sea"], source["name"], *points, source["kind"]]
         for line in lines
         for source in line.get("errors", ())
-    ]
-
-
-def _points(value: float) -> str:
-    """Percentage points, to a thousandth: more digits of an error mean nothing."""
-    return f"{value:.3f}".replace("-0.000", "0.000")
+        for points in [[f"{source[end]:.3f}".replace("-0.000", "0.000") for end in ("low", "high")]]
+    ]  # to a thousandth: more digits of an error mean nothing
 
 
 def tuning_head(unit: str) -> list[str]:
@@ -367,21 +346,14 @@ def tuning_head(unit: str) -> list[str]:
 
 def tuning_table(lines: Lines) -> list[list[str]]:
     """Return the cells of the table of designs at equal tuning; a quantity that does not exist is a dash."""
-
-    def text(value: float | None, form: str = "", factor: float = 1.0) -> str:
-        return "-" if value is None else format(factor * value, form) if form else plain(value)
-
-    def gain(value: float | None, *ends: float | None) -> str:
-        return "-" if value is None else gain_text(value, *ends)
-
     return [
         [
             line["design"], line["sea"],
-            gain(line["best_gain_percent"], *best), interval_text(*best) or "-",
-            text(line["best_power"]), text(line["best_damping"]),
-            gain(line["gain_percent"], *given), interval_text(*given) or "-",
-            text(line["power"]), text(line["damping"]),
-            text(line["share"], ".1f", 100.0),
+            _percent(line["best_gain_percent"], *best), interval_text(*best) or "-",
+            cell(line["best_power"]), cell(line["best_damping"]),
+            _percent(line["gain_percent"], *given), interval_text(*given) or "-",
+            cell(line["power"]), cell(line["damping"]),
+            cell(line["share"], ".1f", 100.0),
         ]
         for line in lines
         for best, given in [((line.get("best_low"), line.get("best_high")), (line.get("low"), line.get("high")))]
@@ -432,3 +404,192 @@ def _most_absorbed(lines: Lines, invalid: Lines, aside: str) -> str:
     where = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
     verb = "absorbs most," if len({line["design"] for line in lines}) > 1 else "absorbs"
     return f"{best['design']} {verb} {value}{where} at optimal damping{aside}; "
+
+
+ADVICE = {
+    "buckling": "raise device.internal_pressure to carry the load, or device.thickness",
+    "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
+    "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
+    "static_strain": "a stiffer shell",
+    "load_path": "a thicker or stiffer shell",
+    "wrinkling": "raise device.internal_pressure until all of the shell is in tension",
+    "angles": "angles in degrees",
+    "specific_energy": "a thicker shell, or a smaller damper: the material converts less than the waves offer",
+    "modes_left_out": "a smaller modes.tolerance or a higher modes.degree, of modes: {basis: full}",
+    "ring_width": "rings further apart, by several thicknesses of the wall",
+    "reference_power": "longer waves, in which the rigid design absorbs power",
+    "fair_damping": "pto.tuning: each, or read the gains at optimal damping",
+    "energy_residual": "lower simulation.tolerance",
+    "transient": "a later simulation.window",
+    "time_and_frequency_domain": "a later simulation.window",
+    "heave": "lower waves, or hydro.model: body_exact if it is linear and the buoy heaves alone",
+    "deformation": "a stiffer shell, or hydro.model: body_exact if it is linear and the buoy heaves alone",
+    "strain": "a stiffer or thicker shell, or lower waves",
+    "steepness": "lower or longer waves",
+    "linearity": "lower waves, or take the powers of the runs: those of linear theory do not hold here",
+    "statistical_error": "more waves.realisations, or a longer simulation.duration",
+    "spectral_prediction": "a later simulation.window",
+    "record_length": "a longer simulation.duration",
+    "spectrum_cut": "raise hydro.omega_max",
+    "power_limit": "lower hydro.tolerance",
+    "radiation_fit": "lower hydro.tolerance",
+    "passivity": "lower hydro.tolerance",
+    "witness": "lower hydro.tolerance",
+    "constrained": "a shorter simulation.duration, or looser limits",
+    "assumed_pressure": "hydro.model: linear, which includes radiation",
+    "left_out": "lower hydro.power_tolerance",
+    "gain_error": "lower hydro.power_tolerance",
+    "controller_margin": "a lower pto.force_limit, or more pto.control.noise",
+    "latching_time": "lower waves, or another damping",
+    "drag": "use the powers in the time domain, or lower waves",
+    "pitch": "lower waves",
+    "rotation": "lower waves",
+    "translation": "a mooring (body.stiffness), if the body drifts; lower waves",
+    "surge": "a mooring",
+    "irregular_frequencies": "a lid, or finer panels",
+    "resonance": "damping of the enclosed water (body.damping): linear theory has none but radiation",
+    "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",
+    "closure": "a mesh without the gap",
+    "displaced_mass": "the mass, or the vertical position of the mesh",
+    "rigid_names": "the labels of the displacements",
+    "hinge_gap": "a mesh whose parts are closed at the hinge",
+    "second_order": "second_order in the file of the displacements",
+    **dict.fromkeys(("panels", "modes", "corners", "one_resolution"), "finer panels"),
+    **dict.fromkeys(
+        ("error_estimate", "interpolation_error", "symmetry", "far_field", "positive_damping", "rank_one", "haskind",
+         "kramers_kronig", "limit_difference", "witness_derivatives", "witness_database"),
+        "lower hydro.tolerance, or finer panels",
+    ),
+    **dict.fromkeys(
+        ("phases", "displaced_volume", "parts", "trim", "added_mass_limits", "tilt", "rotation_centre", "waterplane",
+         "centre_of_buoyancy", "mass_coupling", "places"),
+        "the coefficient file, as the check explains",
+    ),
+    **dict.fromkeys(
+        ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the coefficient file"
+    ),
+}  # fmt: skip
+"""Name of a check -> what to change first in the study where it fails, if the check itself has tried nothing."""
+REASONS = {
+    "buckling": "the shell buckles under its static load ({value} times the classical buckling pressure)",
+    "computed_buckling": "the shell buckles under its static load ({value} times what it can carry)",
+    "static_strain": "the strain at rest is {percent} %, beyond the limit of its material's law (Hooke's: 10 %)",
+    "strain": "the strain reaches {percent} %, beyond the limit of its material's law (Hooke's: 10 %)",
+    "modes_left_out": "the omitted shell modes change the absorbed power by up to {percent} %",
+    "modes": "the panels do not resolve the shortest mode",
+    "panels": "the panels do not resolve the shortest waves",
+    "energy_residual": "the energy balance of the simulation does not close (residual {value})",
+    "power_limit": "a design absorbs {value} times the theoretical limit of any device",
+    "assumed_pressure": "the assumed pressure gives a buoy {value} times the power of a wave with that pressure",
+}
+"""Name of a check that invalidates results (`vsb.engine.hydro.database.INVALIDATING`) -> the reason in words."""
+
+
+def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return why results are not valid, each reason once, with its largest value; of `vsb.results.ledger.Invalid`."""
+    worst: dict[str, float] = {}
+    for line in invalid:
+        worst[line["name"]] = max(worst.get(line["name"], 0.0), float(line["value"]))
+    if "computed_buckling" in worst:
+        worst.pop("buckling", None)
+    return [REASONS[name].format(value=short(value), percent=plain(100 * value, 2)) for name, value in worst.items()]
+
+
+def no_answer(invalid: Sequence[Mapping[str, Any]]) -> str:
+    """Return why there is no valid answer, and what to change."""
+    changes = dict.fromkeys(line.get("advice") or ADVICE[line["name"]] for line in invalid)
+    return f"No valid answer yet: {'; '.join(reasons(invalid))}. Change first: {'; '.join(changes)}."
+
+
+def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the checks that failed, for each name the one furthest beyond its limit; doubts are in the ledger only."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for check in checks:
+        if check["verdict"] in ("fail", "accepted"):
+            found.setdefault(str(check["name"]), []).append(check)
+    lines = []
+    for of in found.values():
+        worst = max(of, key=lambda check: float(check["value"]) / (float(check["limit"]) or 1.0))
+        others = f"; {len(of) - 1} more fail" if len(of) > 1 else ""
+        change = f". Change first: {text}" if (text := advice(worst)) else ""
+        lines.append(f"{in_words(worst)}{others}{change}")
+    return lines
+
+
+def in_words(check: dict[str, Any]) -> str:
+    """Return a check with its value and limit in words."""
+    of = f" of {check['design']}" if check["design"] else ""
+    where = f" in {check['wave']}" if check["wave"] else ""
+    what = f"{str(check['name']).replace('_', ' ')}{of}{where}"
+    return f"{what}: {short(check['value'])}, limit {short(check['limit'])} ({check['explanation']})"
+
+
+def advice(check: dict[str, Any]) -> str:
+    """Return what to change first if a check does not hold; empty if it holds or no general advice exists."""
+    return "" if check["verdict"] == "ok" else check.get("advice") or ADVICE.get(str(check["name"]), "")
+
+
+LOWEST = 0.3
+"""Lowest frequency shown [rad/s]: waves longer than 21 s are not seas."""
+USEFUL_SHARE = 0.05
+"""Share of the largest absorbed power below which power, and a gain there, is of no use."""
+RESOLVED, RELATIVE = 0.01, 1e-3
+"""Absolute [%] and relative tolerance of gains at their extremes."""
+HALVINGS = 30
+"""Most halvings of a step of frequency."""
+
+
+def lowest(first: float, last: float) -> float:
+    """Return the lowest frequency shown of a band [rad/s]: `LOWEST`, or the first of a band that hardly exceeds it."""
+    return LOWEST if last >= 2 * LOWEST else first
+
+
+def useful_band(absorbed: xr.DataArray) -> xr.DataArray:
+    """Return at which frequencies some design absorbs a useful power; dims of the argument (design, omega)."""
+    best, least = absorbed.max(dim="design"), lowest(float(absorbed.omega[0]), float(absorbed.omega[-1]))
+    found: xr.DataArray = (best >= USEFUL_SHARE * best.max()) & (absorbed.omega >= least)
+    return found
+
+
+def gain_band(absorbed: xr.DataArray, reference: str) -> xr.DataArray:
+    """Return at which frequencies a gain over a design is meaningful, dims (omega).
+
+    Not where the reference absorbs next to nothing compared with its largest power and with other designs.
+    """
+    rigid = absorbed.sel(design=reference, drop=True)
+    absorbs = (rigid >= USEFUL_SHARE * rigid.max()) | (rigid >= 0.1 * absorbed.max("design"))
+    found: xr.DataArray = useful_band(absorbed) & absorbs & (rigid > 0)
+    return found
+
+
+def with_extremes(power: Callable[[FloatArray], xr.DataArray], omega: FloatArray, reference: str) -> FloatArray:
+    """Return frequencies refined where gains over a design are largest and smallest [rad/s].
+
+    Steps next to an extreme, and across an end of `gain_band`, are halved until the gain changes over them by less than
+    the tolerance `RESOLVED` + `RELATIVE` times the gain. `power` has dims (design, omega).
+    """
+    found = power(omega)
+    for _ in range(HALVINGS):
+        steps = _unresolved(found, reference)
+        if not steps.any():
+            break
+        known = found.omega.values
+        between = (known[1:] + known[:-1])[steps] / 2
+        found = xr.concat([found, power(between)], "omega").sortby("omega")
+    return np.asarray(found.omega.values)
+
+
+def _unresolved(power: xr.DataArray, reference: str) -> BoolArray:
+    """Which steps next to an extreme of gain or power, or across an end of the band, are too long."""
+    shown = gain_band(power, reference).values
+    others = power.sel(design=power.design != reference)
+    rigid = power.sel(design=reference).where(power.sel(design=reference) > 0, 1.0)
+    best = power.max("design")
+    curves = np.vstack([100 * (others / rigid - 1).values, 100 * (best / best.max()).values[None]])
+    change = np.diff(curves)
+    long = np.abs(change) > RESOLVED + RELATIVE * np.minimum(np.abs(curves[:, 1:]), np.abs(curves[:, :-1]))
+    turns = np.zeros_like(curves, dtype=bool)
+    turns[:, 1:-1] = change[:, 1:] * change[:, :-1] <= 0
+    near = shown[1:] | shown[:-1]
+    ends = shown[1:] != shown[:-1]
+    return np.asarray((long & (((turns[:, 1:] | turns[:, :-1]) & near) | ends)).any(axis=0))

@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.waves.climate import YEAR_HOURS
-from vsb.report.answer import COMPUTED, Answer
-from vsb.report.doubts import ADVICE
+from vsb.report.answer import ADVICE, COMPUTED, Answer
 from vsb.results.campaign import GAIN, POWER, in_time
 from vsb.results.year import POWER_ENDS
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning

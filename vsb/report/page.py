@@ -1,15 +1,23 @@
-"""The self-contained HTML report of a study: the answer first, then the evidence, then what to doubt."""
+"""The self-contained HTML report of a study: the answer first, then the evidence, then what to doubt.
 
+First what the pages of studies, campaigns, designs and comparisons have in common.
+"""
+
+import importlib.resources
+import itertools
 import math
-from collections.abc import Sequence
+import re
+import urllib.parse
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import jinja2
+import markupsafe
 import numpy as np
 import xarray as xr
 
 from vsb.engine.motion.take_off import port_kind
-from vsb.report.animation import in_motion
 from vsb.report.answer import (
     AT_FORCE,
     COMPUTED,
@@ -19,8 +27,10 @@ from vsb.report.answer import (
     NO_OPTIMUM,
     PARTS,
     Answer,
+    advice,
     at_force_statements,
     at_force_table,
+    cell,
     damping_in_words,
     elsewhere_table,
     gain_in_brackets,
@@ -28,20 +38,109 @@ from vsb.report.answer import (
     knowledge_text,
     limited_statements,
     limits_aside,
+    no_answer,
     parts_table,
     shares_text,
     tuned_statements,
     tuning_head,
     tuning_table,
+    useful_band,
+    warnings,
 )
-from vsb.report.band import useful_band
-from vsb.report.doubts import no_answer, warnings
 from vsb.report.figures import captions
-from vsb.report.html import captioned, page
-from vsb.report.interactive import as_script
+from vsb.report.interactive import as_script, in_motion
+from vsb.study.figure_names import FIGURE_KINDS
 from vsb.tools.arrays import FloatArray
 from vsb.tools.variables import FORCE, PortKind
-from vsb.tools.words import gain_decimals, multiple, plain, power, superscripts, the_rigid
+from vsb.tools.words import csv_text, gain_decimals, multiple, plain, power, short, superscripts, the_rigid
+
+INLINE = 1_000_000
+"""Most bytes of figures inside a page; further ones are only linked."""
+SCRIPTS = ("algebra.js", "chart.js", "interactive.js", "interactive_year.js", "buoys.js", "start.js")
+"""Scripts of every page, in this order; the page can be read without them."""
+FOLDED = {
+    "radiation_kernel": "Radiation kernel",
+    "witness": "Cross-check of two solvers",
+    "energy_audit": "Energy balance",
+}
+"""Figures for specialists, folded under these titles."""
+SECTION = re.compile(r'<section id="(\w+)">\s*<h2>(.*?)</h2>')
+VERBATIM = re.compile(r"(<(?:script|style|svg|pre|code)\b.*?</(?:script|style|svg|pre|code)>|<[^>]*>)", re.DOTALL)
+MINUS = "\N{MINUS SIGN}"
+HYPHEN = re.compile(r"(?<![\w.)-])-(?=[\d.]*\d)")
+"""A hyphen that is the sign of a number: not in 2026-11-29, e-05 or a name."""
+CONTENTS = '<nav aria-label="Contents"></nav>'
+"""Place of the table of contents in a page."""
+NO_SEAS: Mapping[str, str] = {}
+
+
+def page(template: str, **values: Any) -> str:
+    """Return a page from a template of this package, with its contents; a missing value raises."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    environment.globals |= {
+        "csv": csv_link,
+        "text_of": text_of,
+        "advice": advice,
+        "filled": filled,
+        "short": short,
+        "printed": superscripts,
+        "kinds": FIGURE_KINDS,
+        "scripts": SCRIPTS,
+    }
+    text = with_minus_signs(environment.get_template(template).render(**values))
+    links = " ".join(f'<a href="#{name}">{title}</a>' for name, title in SECTION.findall(text))
+    return text.replace(CONTENTS, CONTENTS.replace("><", f">{links}<"), 1)
+
+
+def with_minus_signs(text: str) -> str:
+    """Return a page whose negative numbers have a minus sign for a hyphen, but in scripts, figures, files and tags."""
+    parts = VERBATIM.split(text)
+    return "".join(part if i % 2 else HYPHEN.sub(MINUS, part) for i, part in enumerate(parts))
+
+
+def text_of(name: str) -> str:
+    """Return a file of the templates as it is."""
+    return markupsafe.Markup((importlib.resources.files("vsb.report") / "templates" / name).read_text(encoding="utf-8"))
+
+
+def filled(head: Sequence[str], body: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
+    """Return a table without the columns that hold nothing but dashes, and without the sea if it is the same in all."""
+    columns = [set(column) for column in zip(*body, strict=True)]
+    kept = [i for i, cells in enumerate(columns) if cells != {"-"} and (head[i] != "sea" or len(cells) > 1)]
+    return [head[i] for i in kept], [[row[i] for i in kept] for row in body]
+
+
+def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
+    """Return a link that downloads a table as CSV; the data are part of the link."""
+    data = urllib.parse.quote(csv_text(head, body))
+    return markupsafe.Markup('<a class="csv" download="{}.csv" href="data:text/csv;charset=utf-8,{}">CSV</a>').format(
+        name, data
+    )
+
+
+def captioned(
+    figures: Mapping[str, str], captions: Mapping[str, str], seas: Mapping[str, str] = NO_SEAS
+) -> list[dict[str, Any]]:
+    """Return figures in groups: those of no sea, then those of each sea, the first of them unfolded.
+
+    Figures (SVG) of one sea have its label behind a dash; captions are by what stands before it. Those for specialists
+    have a title under which they are `folded`; beyond `INLINE` bytes they are only linked.
+    """
+    groups: dict[str, list[dict[str, Any]]] = {}
+    room = INLINE
+    for name, svg in figures.items():
+        kind, _, sea = name.partition("-")
+        drawn = svg[svg.index("<svg") :]
+        room -= len(drawn.encode())
+        shown = {"name": name, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
+        groups.setdefault(sea, []).append({**shown, "folded": FOLDED.get(kind, "")})
+    for number, figure in enumerate(itertools.chain.from_iterable(groups.values()), 1):
+        figure["number"] = number  # in the order of the page
+    first = next((sea for sea in groups if sea), "")
+    return [{"sea": seas.get(sea, sea), "open": sea == first, "figures": of} for sea, of in groups.items()]
+
 
 Measure = tuple[str, str, float, str]
 """Column of the comparison, its head, factor to the unit shown, format."""
@@ -91,7 +190,7 @@ class Report:
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
     interactive: dict[str, Any] | None = None  # data of the page's scripts, see `vsb.report.interactive`
     no_slider: str = ""  # why there are no such data
-    animated: dict[str, Any] | None = None  # the buoys in motion, see `vsb.report.animation`
+    animated: dict[str, Any] | None = None  # the buoys in motion, see `vsb.report.interactive`
 
     @property
     def rigid(self) -> str | None:
@@ -112,14 +211,7 @@ PUBLISHED_HEAD = ("design", "sea", "measure", "published", "ours", "difference")
 
 
 def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = SAME) -> list[Band]:
-    """Return the intervals in which a gain [%] stays above threshold, each with its largest value.
-
-    Parameters
-    ----------
-    omega : ndarray, shape (omega,) [rad/s]
-    gain : ndarray, shape (omega,) [%]
-    threshold : float [%]
-    """
+    """Return the intervals of omega [rad/s] in which a gain [%] stays above threshold, each with its largest value."""
     inside = np.concatenate([[False], gain > threshold, [False]])
     starts, ends = np.flatnonzero(inside[1:] & ~inside[:-1]), np.flatnonzero(~inside[1:] & inside[:-1])
     bands = []
@@ -130,13 +222,7 @@ def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = SAME) 
 
 
 def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
-    """Return, for each other design, where over the useful band it absorbs more or less than the reference.
-
-    Parameters
-    ----------
-    absorbed : DataArray, dims (design, omega) [W/m^2]
-        At optimal damping, or at the given one.
-    """
+    """Return, for each other design, where over the useful band it absorbs more or less than the reference."""
     if reference is None:
         return ["This study has no rigid design to compare with."]
     if not float(absorbed.max()) > 0:
@@ -207,20 +293,18 @@ def irregular_statements(
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
-        gains = [_gain_text(line, reference) for line in sea]
+        gains = [
+            ""
+            if line["design"] == reference or line["gain_percent"] in MISSING
+            else gain_in_brackets(line, ends=("gain_low", "gain_high"))
+            for line in sea
+        ]
         parts = [
             f"{line['design']} absorbs {power(float(line['power_mean'])) if gain else _absorbed(line)}{gain}"
             for line, gain in zip(sea, gains, strict=True)
         ]
         statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name, unit)}.")
     return statements
-
-
-def _gain_text(line: dict[str, Any], reference: str | None) -> str:
-    """Gain over the reference in brackets, with its interval if there is one."""
-    if line["design"] == reference or line["gain_percent"] in MISSING:
-        return ""
-    return gain_in_brackets(line, ends=("gain_low", "gain_high"))
 
 
 def _absorbed(row: dict[str, Any]) -> str:
@@ -265,16 +349,9 @@ def table(rows: Sequence[dict[str, Any]], measures: Sequence[Measure]) -> tuple[
     """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
     body = []
     for row in rows:
-        cells = [_cell(row[key], spec, factor) for key, _, factor, spec in measures]
+        cells = [cell(row[key], spec, factor) for key, _, factor, spec in measures]
         body.append([str(row["design"]), str(row["wave"]), *cells])
     return ["design", "sea", *(label for _, label, _, _ in measures)], body
-
-
-def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
-    """A number in a form, or to four digits without an exponent; a dash for none."""
-    if value in MISSING:
-        return "-"
-    return format(factor * float(value), form) if form else plain(factor * float(value))
 
 
 STATISTICS = (
@@ -289,7 +366,7 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
 
     def bounds(line: dict[str, Any], name: str, form: str = "") -> str:
         low, high = line[f"{name}_low"], line[f"{name}_high"]
-        return "-" if low in MISSING else f"{_cell(low, form)} to {_cell(high, form)}"
+        return "-" if low in MISSING else f"{cell(low, form)} to {cell(high, form)}"
 
     def form(line: dict[str, Any]) -> str:
         ends = [None if line[end] in MISSING else float(line[end]) for end in ("gain_low", "gain_high")]
@@ -298,10 +375,10 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     return [
         [
             *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
-            _cell(line["power_mean"]), bounds(line, "power"),
-            _cell(line["gain_percent"], form(line)), bounds(line, "gain", form(line)), _cell(line["power_linear"]),
-            _cell(line["record_power_mean"]), _cell(line["power_linear_record"]),
-            _cell(line["record_gain_percent"], "+z.1f"),
+            cell(line["power_mean"]), bounds(line, "power"),
+            cell(line["gain_percent"], form(line)), bounds(line, "gain", form(line)), cell(line["power_linear"]),
+            cell(line["record_power_mean"]), cell(line["power_linear_record"]),
+            cell(line["record_gain_percent"], "+z.1f"),
         ]
         for line in lines
     ]  # fmt: skip

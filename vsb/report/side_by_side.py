@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import TUNED
-from vsb.report.canvas import grid_of_axes, legend_above, style
-from vsb.report.html import page
-from vsb.report.svg import drawn
+from vsb.report.canvas import drawn, grid_of_axes, legend_above, style
+from vsb.report.page import page
 from vsb.tools.variables import FORCE
 from vsb.tools.words import csv_text, gain_decimals, interval_text, plain, superscripts
 
@@ -109,12 +108,7 @@ def as_csv(lines: Sequence[Line]) -> str:
 def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]], left_out: Sequence[str] = ()) -> str:
     """Return a page with everything inside: where flexibility brings most, a figure, the table.
 
-    Parameters
-    ----------
-    reports : mapping name -> (path, id)
-        The report of every study and campaign, as seen from the page, and its content id.
-    left_out : sequence of str
-        What of these has no line, in sentences.
+    `reports` are path, as seen from the page, and content id by name; `left_out` says what has no line.
     """
     shown = _shown(lines)
     head, *body = _table(shown)

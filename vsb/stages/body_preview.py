@@ -87,7 +87,10 @@ def check(plan: BodyPlan) -> CheckedBody:
     dragged(study.plates, body.labels)
     study.check_dampers()
     check_law(study.pto)
-    check_stored(plan)
+    if Path(plan.database.out).exists():
+        database.load_database(plan.database.out, plan.database.id)
+    if Path(plan.radiation.out).exists():
+        load(plan.radiation.out)
     moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
     if moving and not plan.study.uses_panels:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
@@ -100,12 +103,6 @@ def drifting_motions(labels: Sequence[str], loose: FloatArray, waves: Sequence[W
     """Return the displacements along the waves that nothing holds; `loose` are motions without restoring force.
 
     The start of waves leaves a body a velocity in them; radiation does not stop what moves steadily.
-
-    Parameters
-    ----------
-    labels : sequence of str
-    loose : ndarray, shape (dof, unrestrained)
-    waves : sequence
     """
     if not loose.size:
         return []
@@ -164,14 +161,6 @@ def check_direction(direction: float, body: LinearSystem, where: str) -> None:
             f"{where}: received {direction:g} degrees, needs one of "
             f"{', '.join(f'{d:g}' for d in np.degrees(known))}, the directions of the body's database"
         )
-
-
-def check_stored(plan: BodyPlan) -> None:
-    """Check that stored results a run would go on from are what they should be; `DatabaseError`."""
-    if Path(plan.database.out).exists():
-        database.load_database(plan.database.out, plan.database.id)
-    if Path(plan.radiation.out).exists():
-        load(plan.radiation.out)
 
 
 QUICK = 25.0

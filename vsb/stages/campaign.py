@@ -1,168 +1,51 @@
-"""Rule campaign: all members of a campaign together, as netCDF and as a table."""
+"""Stages campaign and campaign_report: all members of a campaign as netCDF and as a table, its figures and report."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
-from vsb.engine.hydro import database, orders, quality
-from vsb.engine.hydro.database import Check
-from vsb.engine.motion.linear import LinearSystem
-from vsb.engine.motion.port import LinearPto
-from vsb.engine.shell.modes import ModeBasis
-from vsb.engine.shell.orders import OrderBasis
-from vsb.engine.waves.climate import Climate
-from vsb.errors import DatabaseError
+from vsb.engine.waves.climate import Climate, realised
+from vsb.engine.waves.seas import Sea, superposed
+from vsb.engine.waves.water import Water
 from vsb.keys.quantities import canonical, content_id
-from vsb.models.floating_system import AnyBody, Floating, floating_body, stored_body
+from vsb.models.floating_system import AnyBody, Floating
 from vsb.models.load_advice import advice
-from vsb.models.ports import STATED, BuoyOfShape, SweptShape
-from vsb.models.rest import order_bases
-from vsb.models.viability import Viability, viability, viability_of_body, with_designs
-from vsb.pipeline.graph import StudyPlan, database_path
-from vsb.pipeline.plans import Member, members
-from vsb.results.campaign import as_csv, gathered, stacked, with_verification
-from vsb.results.member import YearsWithin, member
-from vsb.stages.climate import read_climate
-from vsb.stages.make import solve
-from vsb.stages.water import refined
-from vsb.study.resolution import COARSEST_SWEEP
-from vsb.study.specs import CampaignSpec, MemberSpec, MembersSpec
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import whole_labels
+from vsb.models.viability import with_designs
+from vsb.pipeline.plans import members
+from vsb.report.campaign_answer import TUNED, leading, shown_place, where
+from vsb.report.campaign_page import DRAWN, render
+from vsb.report.canvas import drawn
+from vsb.report.hydro_figures import year_spectra
+from vsb.report.interactive import (
+    PER_PERIOD,
+    PERIODS,
+    SEEN,
+    View,
+    designs_data,
+    frames_data,
+    largest_shell,
+    shapes_data,
+    year_data,
+)
+from vsb.report.shell_figures import round_factor, sketches
+from vsb.results.campaign import as_csv, gathered, with_verification
+from vsb.results.year import Bins, frequencies
+from vsb.stages.check import read_climate
+from vsb.stages.members import at_rest
+from vsb.stages.water import shell_modes
+from vsb.study import figure_names
+from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
-from vsb.tools import packed
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
-
-
-def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
-    """Write the members of a batch, each to the end of one file as soon as it is finished, then all as netCDF.
-
-    Members that are in another file of the folder, of batches that were cut otherwise, are taken from there.
-    """
-    batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
-    work = Work(read_climate(spec.climate, climate), spec, root)
-    stored, own = packed.packs(folder), packed.Pack(Path(folder, f"{Path(out).stem}{packed.SUFFIX}"))
-    found = [finished(stored.get(one.id), own, one, work) for one in batch]
-    ids = [one.id for one in batch]
-    save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
-
-
-@dataclass
-class Work:
-    """What the members of a batch have in common."""
-
-    climate: Climate
-    spec: MembersSpec
-    root: str
-    _coefficients: dict[tuple[str, ...], Any] = field(default_factory=dict)  # of the last shape or body alone
-    _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
-    _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
-
-    def results(self, one: Member) -> xr.Dataset:
-        """Return the results of a member."""
-        rest, floating = at_rest(one.study, one.spec, self.root, self._coefficients)
-        return member(rest, floating, self.climate, self.spec.tuning, self._years_within(), self._rigid)
-
-    def _years_within(self) -> YearsWithin | None:
-        """What finds years within limits, if they are asked for; only then what is compiled is read."""
-        if not (given := self.spec.constrained):
-            return None
-        from vsb.results.constrained_year import Optima
-
-        return Optima(given.seconds, given.seed, self._optima)
-
-
-def at_rest(
-    study: Study | AnyBody, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
-) -> tuple[Viability, Callable[[], Floating]]:
-    """Return which designs of a member are viable, and what floats of these, to be asked for if there are any.
-
-    `known` keeps the coefficients while members of the same shape, or body, follow.
-    """
-    kept = {} if known is None else known
-
-    def coefficients(read: Callable[[], Any]) -> Any:
-        if spec.sweep not in kept:
-            kept.clear()
-            kept[spec.sweep] = read()
-        return kept[spec.sweep]
-
-    if not isinstance(study, Study):
-        body: LinearSystem = coefficients(lambda: stored_body(database_path(root, *spec.sweep)))
-        floating = floating_body(study, replace(body, direction=float(np.deg2rad(spec.climate.direction))))
-        found = viability_of_body(study, floating)
-        return found, lambda: floating_body(with_designs(study, found.designs), floating.linear)
-    rest, buoy = viability(study), study
-
-    def buoy_of_shape() -> BuoyOfShape:
-        assert rest.reference is not None  # where designs are viable
-        basis = rest.reference.basis
-        swept = coefficients(lambda: swept_shape(buoy, basis, root))
-        return BuoyOfShape(with_designs(buoy, rest.designs), rest.reference, swept)
-
-    return rest, buoy_of_shape
-
-
-def finished(stored: packed.Pack | None, own: packed.Pack, one: Member, work: Work) -> xr.Dataset:
-    """Return the results of a member from where they are stored, computed and written now if they are not."""
-    try:
-        if stored:
-            return stored.read(one.id)
-    except DatabaseError as error:
-        print(f"{error} It is computed anew.")
-    found = work.results(one)
-    found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
-    own.append(found)
-    return found
-
-
-def swept_shape(study: Study, basis: ModeBasis, root: str) -> SweptShape:
-    """Return the coefficients of a shape, solved if they are not there.
-
-    Raises `DatabaseError` if a check on them fails that the study does not accept.
-    """
-    plan = StudyPlan(study, root=root)
-    solve(plan)
-    families = order_bases(study, basis)
-    return SweptShape(tuple(_of_order(plan, basis, one) for one in (None, *families)))
-
-
-def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearSystem:
-    """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
-    study, order, water = plan.study, family.order if family else 0, plan.study.water
-    paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
-    blocks = {Path(path).stem: load(path, expected=Path(path).stem) for path in paths}
-    made, _ = refined(blocks, lambda found: _Swept.of(study, list(found.values()), basis, family), study.hydro.accept)
-    quality.judged(made.checks, study.hydro.accept)
-    raw = database.with_symmetrized(made.whole)
-    if order:
-        raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
-    raw = raw.assign_attrs(made.errors)
-    count = raw.sizes["influenced_dof"]
-    return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
-
-
-class _Swept(NamedTuple):
-    """Coefficients of one azimuthal order from blocks, judged as those of a database are, and errors stated of them."""
-
-    whole: xr.Dataset
-    checks: list[Check]
-    errors: dict[str, float]
-
-    @classmethod
-    def of(cls, study: Study, blocks: Sequence[xr.Dataset], basis: ModeBasis, family: OrderBasis | None) -> Self:
-        """Return the coefficients of blocks; none of a family: of heave and axisymmetric modes."""
-        whole = database.with_excitation(database.merged_blocks(blocks))
-        wet = orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis)
-        tolerance, order = study.hydro.tolerance, family.order if family else 0
-        precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
-        checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
-        checks += quality.verdict(wet, None, study.water, precision, order)
-        errors = {name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED}
-        return cls(whole, checks, errors)
+from vsb.tools.variables import kind_of
 
 
 def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
@@ -183,3 +66,141 @@ def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str,
     save(found.assign_attrs(_tried(spec, found), spec=canonical(spec), spec_id=identity), out)
     write_text(table, as_csv(spec, found))
     record(manifest, identity, [table])
+
+
+FRAMES = PER_PERIOD * PERIODS
+"""Instants at which motions are summed; a page shows as many."""
+
+
+class Point(NamedTuple):
+    """A point of a campaign whose take-off a page knows."""
+
+    study: Study | AnyBody  # of its viable designs
+    floating: Floating
+
+
+def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
+    """Return a point of a campaign; none if no design is viable, its take-off is nonlinear or has several ports."""
+    (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
+    if one.study.pto.nonlinear or one.study.pto.several:
+        return None  # a damper of the page knows no limits, and is of one port
+    rest, floating = at_rest(one.study, one.spec, root)
+    return Point(with_designs(one.study, rest.designs), floating()) if rest.designs else None
+
+
+def run_campaign_report(
+    spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str
+) -> None:
+    """Draw the figures of a campaign and write its report."""
+    identity = content_id(spec)
+    ds = load(data, expected=identity)
+    seas = read_climate(spec.climate, climate)
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        every = {name: drawn(figure, name) for name, figure in figures_of(spec, ds, seas)}
+    files = [path for name, one in every.items() for path in one.write(figures, name)]
+    interactive, animated = (made(spec, ds, *leading(ds), seas, root) for made in (interactive_year, animated_year))
+    buoy = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study.buoy
+    svgs = {name: one.svg for name, one in every.items()}
+    write_text(out, render(ds, svgs, interactive, sketches(buoy) if buoy else [], animated, seas.notes))
+    record(manifest, identity, [out, *files])
+
+
+def figures_of(spec: CampaignSpec, ds: xr.Dataset, seas: Climate) -> Iterator[tuple[str, Figure]]:
+    """Draw the figures of a campaign by name: of its results, but for the year's spectra."""
+    for name in figure_names.of_campaign(spec):
+        yield name, year_spectra(seas) if name == "spectra" else DRAWN[name](ds, *leading(ds))
+
+
+def animated_year(
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Return the motion of all viable buoys in one sea of a campaign's year; none where no damper is known."""
+    place = shown_place(ds, tuning, reference)
+    index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
+    point, one = sweep_point(spec, index, root), ds.isel(place)
+    dampers = [name for name in ("one", "each", "fixed") if name in one.tuning]
+    tuned = tuning if tuning in dampers else next(iter(dampers), None)
+    if point is None or tuned is None or not isinstance(buoy := point.floating, BuoyOfShape):
+        return None
+    study = buoy.study
+    sea, row, column = most_energetic(seas, study.water)
+    designs, period, radius = list(study.designs), float(seas.te[sea]), study.device.radius
+    damping = one.damping.sel(tuning=tuned, design=designs).isel(hs=row, te=column).values
+    if not np.isfinite(damping).all():
+        return None
+    waves = realised(seas, sea, PERIODS * period, 0, *buoy.band)
+    runs = _runs(buoy, dict(zip(designs, map(float, damping), strict=True)), waves, PERIODS * period)
+    modes = shell_modes(study, buoy.reference)
+    shell = list(map(str, modes.mode.values))
+    width = max(SEEN * radius, radius + max(float(abs(run.sel(dof="Heave")).max()) for run in runs.values()))
+    words = f"a sea of the bin that brings most energy (Hs {seas.hs[sea]:.2g} m, Te {period:.2g} s)"
+    at = f" at {text}" if (text := where(one)) else ""
+    span, largest = (0.0, PERIODS * period), max(largest_shell(run, shell) for run in runs.values())
+    return {
+        "designs": designs_data(designs, reference),
+        "width": width,
+        "factor": round_factor(largest, radius),
+        "shapes": shapes_data(modes),
+        "seas": [frames_data(words, runs, waves, span, period, View(width), study.water, shell)],
+        "message": f"In {words}: a realisation of its spectrum by linear theory, {TUNED[tuned]}{at}.",
+    }
+
+
+def most_energetic(climate: Climate, water: Water) -> tuple[int, int, int]:
+    """Return a sea and the row and column of its bin: the bin that brings most energy, the sea nearest to its mean."""
+    bins, flux = Bins(climate.hs, climate.te, climate.hours), climate.flux(water)
+    energy = bins.total(flux * climate.hours)
+    best = int(energy.argmax())
+    inside = np.flatnonzero(bins.index == best)
+    mean = energy.ravel()[best] / bins.share.ravel()[best]
+    row, column = (int(i) for i in np.unravel_index(best, bins.shape))
+    return int(inside[np.abs(flux[inside] - mean).argmin()]), row, column
+
+
+def _runs(point: BuoyOfShape, dampers: Mapping[str, float], waves: Sea, duration: float) -> dict[str, xr.DataArray]:
+    """Positions of all designs in a sea by linear theory, those degrees of freedom alone that a design moves in."""
+    inside = point.at(waves.omega).in_waves()
+    labels, spring = np.array(whole_labels(point.study, point.moving)), point.study.pto.stiffness
+    time = np.linspace(0.0, duration, FRAMES + 1)
+    found = {}
+    for design, damping in dampers.items():
+        moved = waves.amplitude[:, None] * inside[design].position(damping, spring)
+        free = moved.any(axis=0)
+        coords = {"time": time, "dof": labels[free]}
+        found[design] = xr.DataArray(superposed(waves.omega, moved[:, free], time), coords, ("time", "dof"))
+    return found
+
+
+MOST = 6
+"""Most points of a campaign a page computes with; of more, the one its figures show."""
+
+
+def interactive_year(
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Return the data of a campaign's page; none where no design is viable or the take-off is nonlinear."""
+    points = [str(dim) for dim in ds.margin.dims]
+    shape = tuple(ds.sizes[dim] for dim in points)
+    shown = shown_place(ds, tuning, reference)
+    places = [dict(zip(points, map(int, place), strict=True)) for place in np.ndindex(shape)]
+    others = [place for place in places if place != shown] if len(places) <= MOST else []
+    known = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
+    found = [one for one in known if one]
+    return year_data(seas, found, list(map(str, ds.design.values)), reference, kind_of(ds)) if found else None
+
+
+def _point(
+    spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Words, ports, flux of the seas and given dampers of one point, if it can be shown."""
+    point = sweep_point(spec, index, root)
+    if point is None or point.study.pto.spring_costs:
+        return None
+    study = point.study
+    return {
+        "words": where(ds.isel(place)) or "the study",
+        "ports": point.floating.at(frequencies(seas, *point.floating.band)).ports(study.pto.stiffness),
+        "given": {design: study.pto.damper(design) for design in study.designs},
+        "flux": seas.flux(study.water),
+        "efficiency": study.pto.efficiency,
+    }

@@ -7,7 +7,7 @@ from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.plans import CampaignPlan
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.study.campaign import where_of
 from vsb.study.study import Study
 from vsb.tools import packed
@@ -99,10 +99,15 @@ def summary(plan: CampaignPlan) -> list[str]:
     stored = packed.packs(Path(plan.folder, "members"))
     done = sum(one.id in stored for one in plan.members) if stored else 0
     jobs = sum(not Path(one.out).exists() for one in plan.batches.values())
+    runs = []
+    if verify := given.verify:
+        ready = sum(Path(one.out).exists() for one in plan.verifications.values())
+        each = f"of each of {len(plan.verifications)} points, {ready} done"
+        runs = [f"verify       {verify.seas} seas, {verify.model}, {each}"]
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
         f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
-        *_runs_lines(plan),
+        *runs,
         f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} {kinds}",
         *map(climate_line, seas.notes),
         *_angle_lines(plan),
@@ -136,13 +141,3 @@ def _angle_lines(plan: CampaignPlan) -> list[str]:
     turned = any(key.split(".")[-1] in DEGREES for point in plan.loaded.campaign.vary.points for key in point)
     studies = [plan.loaded.base, *(member.study for member in plan.members if turned)]
     return list(dict.fromkeys(one.line for study in studies for one in angle_checks(study)))
-
-
-def _runs_lines(plan: CampaignPlan) -> list[str]:
-    """What is simulated in time."""
-    if not (verify := plan.loaded.campaign.verify):
-        return []
-    done = sum(Path(one.out).exists() for one in plan.verifications.values())
-    return [
-        f"verify       {verify.seas} seas, {verify.model}, of each of {len(plan.verifications)} points, {done} done"
-    ]

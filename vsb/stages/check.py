@@ -4,14 +4,58 @@ Each kind has a module of its own, imported only for a plan of that kind: a run 
 """
 
 import importlib
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
+from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import RegularWave, StillWater
+from vsb.engine.waves.measured_spectra import read_spectra
+from vsb.engine.waves.scatter import Spectrum, read_scatter
+from vsb.errors import ConfigError
 from vsb.pipeline.costs import GREEN_KEPT_SECONDS
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.jobs import cost_line
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, degree_lines
+from vsb.study.specs import ClimateSpec
 from vsb.study.study import BaseStudy, units_doubted, unlikely_units
+from vsb.tools.files import sha256_of
+
+
+def read_climate(spec: ClimateSpec, path: str) -> Climate:
+    """Read the seas of a year from the file whose contents a specification names.
+
+    Raises `ConfigError` if it holds others, or cannot be read.
+    """
+    try:
+        found = sha256_of(path)[:16]
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs the climate of the campaign") from None
+    if found != spec.contents:
+        raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
+    return read_seas(path, spec.form, spec.gamma or 1.0)
+
+
+def read_seas(path: str | Path, form: Spectrum | Literal["spectra"] = "spectra", gamma: float = 3.3) -> Climate:
+    """Read the seas of a year.
+
+    Parameters
+    ----------
+    path : str or Path
+        Measured spectra, or a scatter table of Hs and Te.
+    form : {'spectra', 'jonswap', 'pierson_moskowitz'}
+        What the file holds: spectra, or a table whose seas have spectra of this shape.
+    gamma : float
+        Peakedness of JONSWAP spectra of a table.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or holds something else.
+    """
+    if form != "spectra":
+        return read_scatter(path, form, gamma)
+    return read_spectra(path)
+
 
 MODULES: dict[type, str] = {
     StudyPlan: "preview", BodyPlan: "body_preview", CampaignPlan: "campaign_preview", DesignPlan: "design_preview",
@@ -70,7 +114,7 @@ def sea_lines(plan: Plan) -> list[str]:
     None where no coefficients are computed: there the period of a regular wave is used alone.
     """
     if isinstance(plan, CampaignPlan | DesignPlan):
-        from vsb.stages.climate import read_climate
+        from vsb.stages.check import read_climate
 
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         return [f"seas         {len(seas.hours)} over the year: {seas.means(plan.loaded.base.water)}"]

@@ -92,18 +92,7 @@ def solve_body(study: BodyFile, body: FlexibleBody, config: str, out: str) -> li
 def finely_solved(
     file: BodyFile, accept: Sequence[str], files: Mapping[str, str], folder: str, table: str = "", green: Any = None
 ) -> xr.Dataset:
-    """Return the coefficients of a body file, on smaller panels while a check fails that they may mend.
-
-    Parameters
-    ----------
-    file : BodyFile
-    accept : sequence of str
-        Checks whose failure the study accepts.
-    files : mapping of str
-        Paths of the files of the body, by key.
-    folder, table, green
-        Where blocks are kept, and the Green function, as of `solved`.
-    """
+    """Return coefficients of a body file, on smaller panels while a check fails that they may mend; see `solved`."""
     history: list[str] = []
     while True:
         mesh = build_body(file, files)

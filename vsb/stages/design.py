@@ -18,7 +18,7 @@ from vsb.design.searched import Outcome, best, failed, finer_of, from_start, pro
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError, DatabaseError
 from vsb.keys.quantities import canonical
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.stages.stage import stamp
 from vsb.study.design import OF_SHELL
 from vsb.study.specs import DesignFrontSpec, DesignStartSpec, Search

@@ -17,7 +17,7 @@ from vsb.pipeline.graph import Task
 from vsb.pipeline.jobs import seconds_of_jobs
 from vsb.pipeline.plans import DesignPlan
 from vsb.report.design_answer import in_control
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.study.campaign import CAUSAL, study_at
 from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.specs import Search

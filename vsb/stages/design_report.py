@@ -8,9 +8,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from vsb.keys.quantities import content_id
-from vsb.report.design_figures import figure_of
-from vsb.report.design_page import render
-from vsb.report.svg import drawn
+from vsb.report.canvas import drawn
+from vsb.report.design_page import figure_of, render
 from vsb.study import figure_names
 from vsb.study.specs import DesignSpec
 from vsb.tools.files import load, write_text

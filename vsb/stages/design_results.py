@@ -36,7 +36,7 @@ from vsb.models.viability import viability
 from vsb.pipeline.plans import TABLES
 from vsb.report.design_answer import answer, no_answer, objective_text
 from vsb.results.campaign import POWER as IN_TIME
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes, points_of, under_limit
 from vsb.study.design import DIVISORS, LIMITS, limit_of, unit_of
 from vsb.study.feasible import OF_EVERY_BUOY

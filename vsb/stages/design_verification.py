@@ -15,11 +15,10 @@ from vsb.models.rest import reference_shell
 from vsb.models.viability import with_designs
 from vsb.results.verification import DesignInTime, chances, drawn, verified, verified_dataset
 from vsb.results.year import frequencies, year
-from vsb.stages.campaign import swept_shape
-from vsb.stages.climate import read_climate
+from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes
+from vsb.stages.members import in_time, in_words, powers_in_time, swept_shape
 from vsb.stages.stage import stamp
-from vsb.stages.verification import in_time, in_words, powers_in_time
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignVerificationSpec
 from vsb.study.study import Study, parse

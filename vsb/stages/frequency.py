@@ -26,7 +26,7 @@ from vsb.engine.waves.water import power_limit
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import FloatingSystem, floating_system, stored_body
 from vsb.models.take_off import given_matrix, matrix_kind
-from vsb.report.band import with_extremes
+from vsb.report.answer import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.stages.stage import stamp
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec

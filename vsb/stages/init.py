@@ -61,14 +61,9 @@ def init_body(path: str) -> None:
 
 
 def init_campaign(path: str, study: str) -> str:
-    """Write a commented campaign of a study, named after its file, and a table of occurrences beside it.
+    """Write a commented campaign of a study, named after its file; return a table of occurrences, written beside it.
 
     Raises `ConfigError` as `init`, if the study is none of a buoy or a body, or the table exists.
-
-    Returns
-    -------
-    str
-        Path of the table.
     """
     target, base = _new(path), os.path.relpath(study, Path(path).parent)
     site = target.with_name(f"{target.stem}_site.csv")
@@ -89,15 +84,7 @@ def init_campaign(path: str, study: str) -> str:
 
 
 def init_design(path: str) -> str:
-    """Write a commented design problem, named after its file, and the study it varies beside it.
-
-    Raises `ConfigError` as `init`, of either file.
-
-    Returns
-    -------
-    str
-        Path of the study.
-    """
+    """Write a design problem, named after its file, and the study it varies; return that. Raises as `init`."""
     target = _new(path)
     study = target.with_name(f"{target.stem}_study.yaml")
     init(str(study))
@@ -140,13 +127,8 @@ def scaled(text: str, scale: float) -> str:
     """Return a study's text with every quantity scaled by Froude: lengths by `scale`, times by its root."""
     known = {key: power for key, power in powers().items() if power}
 
-    def at_scale(found: re.Match[str]) -> str:
+    def at_scale(found: re.Match[str]) -> str:  # to six digits, as YAML reads them
         factor = scale ** known[found["key"]]
-        return re.sub(NUMBER, lambda one: _number(factor * float(one[0])), found[0])
+        return re.sub(NUMBER, lambda one: repr(float(f"{factor * float(one[0]):.6g}")), found[0])
 
     return re.sub(rf"\b(?P<key>{'|'.join(known)}): (?:{NUMBER}|\[.*?\])", at_scale, text)
-
-
-def _number(value: float) -> str:
-    """A number of six digits as YAML reads it."""
-    return repr(float(f"{value:.6g}"))

@@ -1,7 +1,7 @@
 """Checks, cost and dry shell frequencies of a study of a buoy before anything is solved."""
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from vsb.models.rest import check_rests, check_spring, check_stable, reference_s
 from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.pipeline.graph import StudyPlan
-from vsb.study.resolution import BlockSpec, no_witness
+from vsb.study.resolution import no_witness
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
 from vsb.tools.files import load
@@ -87,7 +87,10 @@ def _bem_lines(plan: StudyPlan) -> list[str]:
     """What BEM would do, and how long it would take."""
     study, blocks = plan.study, list(plan.bem_blocks.values())
     todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
-    how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
+    how = f"spectral, to {study.hydro.tolerance:g}"
+    if study.uses_panels:  # the finest mesh
+        finest = [block.mesh for block in blocks if isinstance(block, PanelsSpec)][-1]
+        how = f"{finest.rows} rows of {finest.azimuth} panels"
     seconds = sum(block_seconds(block) for block in todo)
     return [
         f"hydro        {sum(len(block.omega) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
@@ -134,20 +137,10 @@ def _witness_words(plan: StudyPlan) -> str:
     return f"{work}, by panels in {rows} rows and by the spectral solver: {seconds}"
 
 
-def _panel_words(blocks: Sequence[BlockSpec]) -> str:
-    """The finest mesh in words."""
-    meshes = [block.mesh for block in blocks if isinstance(block, PanelsSpec)]
-    return f"{meshes[-1].rows} rows of {meshes[-1].azimuth} panels"
-
-
 def shell_table(study: Study) -> dict[str, Any]:
-    """Return dry frequencies of both branches in closed form, the paper's Ritz column, and the buckling pressure.
+    """Return dry frequencies [rad/s] of both branches in closed form, the paper's Ritz column, buckling pressure [Pa].
 
-    Returns
-    -------
-    dict
-        membrane, bending, paper_ritz: lists of {"degree": n, "omega": rad/s}; buckling_pressure [Pa]. Of another shape
-        than the sphere natural alone: a list of {"mode": label, "omega": rad/s}.
+    Of another shape than the sphere the natural ones alone, by the label of their mode.
     """
     shell = Shell.of(study.device)
     if shell.rest is not None:

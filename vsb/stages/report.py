@@ -1,14 +1,14 @@
-"""Rules figures and report: the figures and the report of a study."""
+"""Stages compare, figures and report: comparison table, statistics, validity ledger, figures and page of a study."""
 
 import itertools
 import json
 import math
 import time as clock
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -18,8 +18,11 @@ from matplotlib.figure import Figure
 
 from vsb import __version__
 from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.outline import OUTLINE
+from vsb.engine.hydro.database import Check, stored_checks
 from vsb.engine.hydro.dofs import flexible as is_flexible
 from vsb.engine.motion.take_off import named_ports, port_kind
+from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.waves.kinds import (
     Irregular,
     IrregularSea,
@@ -31,29 +34,176 @@ from vsb.engine.waves.kinds import (
     Wave,
     jonswap_spectrum,
 )
-from vsb.engine.waves.seas import components
+from vsb.engine.waves.seas import NO_WAVES, components, expected
 from vsb.engine.waves.water import group_velocity
-from vsb.models.floating_system import FloatingSystem, band, floating_system
-from vsb.report.band import lowest
-from vsb.report.canvas import PORT, StudyData
+from vsb.keys.quantities import canonical
+from vsb.models.floating_system import FloatingSystem, band, expected_sea, floating_system, heading, study_sea
+from vsb.models.rest import reference_shell
+from vsb.report.answer import lowest
+from vsb.report.canvas import PORT, StudyData, drawn
 from vsb.report.figures import draw
-from vsb.report.interactive import Grid, InteractiveSea, study_data, thinned
+from vsb.report.interactive import (
+    PERIODS,
+    SEEN,
+    Grid,
+    InteractiveSea,
+    View,
+    designs_data,
+    frames_data,
+    largest_motion,
+    largest_shell,
+    outline_data,
+    shapes_data,
+    study_data,
+    thinned,
+)
 from vsb.report.page import Report, render
-from vsb.report.sketch import sketches
-from vsb.report.svg import drawn
+from vsb.report.shell_figures import round_factor, sketches
+from vsb.results import comparison, ledger
+from vsb.results import statistics as irregular
 from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
-from vsb.results.forecast import worth_of_knowledge
+from vsb.results.forecast import Elsewhere, elsewhere, worth_of_knowledge
+from vsb.results.gains import (
+    AtForce,
+    Limited,
+    Tuned,
+    at_force,
+    equal_tuning,
+    fair_damping_checks,
+    reference_power_checks,
+    within_limits,
+)
+from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
+from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
+from vsb.results.run_checks import agreement_checks, law_checks, sea_checks, transient_checks
 from vsb.results.statistics import families
-from vsb.stages.animated import animated_study
 from vsb.stages.stored import Inputs
+from vsb.study import figure_names
 from vsb.study.body import CONTENTS, AnyStudy
-from vsb.study.figure_names import of_study
 from vsb.study.resolution import no_witness
+from vsb.study.specs import CompareSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
+
+
+def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
+    """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
+
+    Those are for people; what the report reads is one file of checked data, `tables`.
+    """
+    compared = spec.study
+    found = Inputs(compared, trajectories, files)
+    buoy = compared.buoy
+    reference = reference_shell(buoy) if buoy else None
+    in_seas = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
+    rows = [row for one in in_seas for row in one.rows]
+    runs = {run: attrs for one in in_seas for run, attrs in one.runs.items()}
+    checks = [check for one in in_seas for check in one.checks]
+    if buoy and reference:
+        checks = [*ledger.shell_checks(buoy, reference), *checks]
+    checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *law_checks(runs)]
+    lines: list[irregular.Line] = []
+    tuned: list[Tuned] = []
+    limited: list[Limited] = []
+    controlled: list[AtForce] = []
+    other_seas: list[Elsewhere] = []
+    if compared.needs_bem:
+        samples = {run: kept for one in in_seas for run, kept in one.samples.items()}
+        lines = irregular.statistics(compared, samples)
+        ladder = [
+            ControlLevel(**row)
+            for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder.id))
+        ]
+        checks += of_the_water(found, rows, runs, linear_seas(compared, runs, ladder))
+        means = mean_powers(compared, rows, runs, ladder, found.response, samples)
+        tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
+        controlled = at_force(compared, ladder)
+        if controlled and not (compared.pto.several or compared.plates):
+            other_seas = elsewhere(compared, floating_system(compared, found.path("database")), compared.drawn_waves)
+        rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
+        checks += irregular.statistical_checks(compared, lines)
+        checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
+        checks += [*reference_power_checks(compared, ladder), *material_checks(compared.pto, ladder)]
+        checks += (
+            [*ledger.mode_checks(buoy, ladder), *ledger.ring_width_checks(buoy, found.path("database"))] if buoy else []
+        )
+    elif buoy:
+        checks += ledger.assumed_pressure_checks(buoy, rows)
+        rows = with_mean_powers(rows, mean_powers(compared, rows, runs, (), None, {}))
+    checks = ledger.worst_first(checks)
+    invalid = ledger.invalid_designs(compared, checks)
+    data = {
+        "comparison": rows,
+        "statistics": [line._asdict() for line in lines],
+        "equal_tuning": [line._asdict() for line in tuned],
+        "within_limits": [line._asdict() for line in limited],
+        "at_force": [line._asdict() for line in controlled],
+        "elsewhere": [line._asdict() for line in other_seas],
+        "checks": [asdict(check) for check in checks],
+        "invalid": [line._asdict() for line in invalid],
+    }
+    texts = {
+        files["out"]: comparison.as_csv(rows),
+        files["statistics"]: irregular.as_csv(lines),
+        files["validity"]: ledger.ledger_json(compared.study, checks, invalid),
+        files["study"]: canonical(compared) + "\n",
+        files["tables"]: json.dumps(data, indent=1, allow_nan=False) + "\n",
+    }
+    for path, text in texts.items():
+        write_text(path, text)
+    record(files["manifest"], found.plan.identity, list(texts))
+
+
+def of_the_water(
+    found: Inputs, rows: list[comparison.Row], runs: comparison.Attributes, linear: set[str]
+) -> list[Check]:
+    """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
+
+    Of a buoy also the limit of its power, and what a second solver says. `linear` names the seas whose runs are.
+    """
+    study, database = found.study, found.database
+    buoy = study.buoy
+    checks = [ledger.limit_check(found.response)] if buoy else []
+    checks += ledger.radiation_checks(found.radiation, study.hydro.tolerance)
+    checks += [*ledger.seas_checks(study, database, linear), *agreement_checks(study, found.response, rows, runs)]
+    checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+    return checks + (ledger.witness_checks(buoy, database, found.witness) if buoy else [])
+
+
+class InASea(NamedTuple):
+    """What the runs in a sea leave for the comparison; all runs at a time may be more than memory holds."""
+
+    rows: list[comparison.Row]
+    checks: list[Check]
+    runs: dict[tuple[str, str], dict[str, Any]]  # their attributes
+    samples: dict[tuple[str, str], irregular.Sample]  # of an irregular sea
+
+
+def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
+    """Return what the runs of all designs in a sea leave."""
+    study, label = found.study, wave.label
+    waves, spectral, whole = NO_WAVES, NO_WAVES, NO_WAVES
+    if study.needs_bem:
+        waves, spectral = (study_sea(study, one, found.database) for one in (wave, expected(wave)))
+        whole = expected_sea(study, wave, found.database)
+    runs = {design: found.runs[design, label] for design in study.designs}
+    samples = {}
+    if study.needs_bem and isinstance(wave, IrregularSea):
+        response = found.response
+        samples = {
+            (d, label): irregular.sample(study, wave, d, run, waves, spectral, response, whole)
+            for d, run in runs.items()
+        }
+    return InASea(
+        with_record_intervals(study, wave, comparison.comparison(study, wave, runs, whole), samples),
+        sea_checks(study, wave, runs, basis, found.database),
+        {(design, label): run.attrs for design, run in runs.items()},
+        samples,
+    )
+
 
 FREQUENCIES = 2000
 """At which spectra are drawn."""
@@ -92,7 +242,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
         knowledge=_knowledge(study, found),
         raos=_raos(study, found),
     )
-    yield from ((name, draw(name, data)) for name in of_study(found.study))
+    yield from ((name, draw(name, data)) for name in figure_names.of_study(found.study))
 
 
 def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
@@ -114,7 +264,7 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
 def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
     """What knowledge of the waves is worth, by label of the seas with a figure of it."""
     waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)}
-    drawn = [wave for name, wave in waves.items() if name in of_study(found.study)]
+    drawn = [wave for name, wave in waves.items() if name in figure_names.of_study(found.study)]
     if not drawn:
         return {}
     floating = floating_system(study, found.path("database"))
@@ -132,15 +282,12 @@ def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
 
 
 def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
-    """Period of a sea, in still water of the slowest free motion [s]."""
-    return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
-
-
-def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
-    """Lowest natural frequency [rad/s]; without BEM that of heave without added mass; 1 if nothing is restrained."""
+    """Period of a sea, in still water of the slowest free motion [s]; 2 pi if nothing is restrained."""
+    if not isinstance(wave, StillWater):
+        return 2 * np.pi / wave.omega
     if study.buoy and not study.needs_bem:
-        return study.buoy.heave_frequency
-    return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
+        return 2 * np.pi / study.buoy.heave_frequency  # without added mass
+    return 2 * np.pi / (float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0)
 
 
 MOST = 10_000
@@ -166,23 +313,14 @@ def interactive_study(
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none without waves that radiate, or for one of the reasons of `no_slider`.
 
-    Parameters
-    ----------
-    database : str
-        Path of its hydro database.
-    response : Dataset
-        Its frequency response.
-    limited : sequence of mapping
-        Of `vsb.results.gains.Limited`.
-
-    Notes
-    -----
     A port has a free velocity for every direction waves go to: seas share a grid if they share both.
     """
     if not study.needs_bem or no_slider(study):
         return None
-    pto = study.pto
-    seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
+    pto, seen = study.pto, _Seen(study, floating_system(study, database))
+    names = {waves[0].label: name for name, waves in families(study).items()}  # of irregular seas
+    moving = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
+    waves = {names.get(wave.label, wave.label): wave for wave in itertools.islice(moving, SEAS)}
     if not waves:
         return None
     ds = seen.floating.linear.database
@@ -193,12 +331,13 @@ def interactive_study(
     seas = [replace(sea, band=going.index(wave.direction)) for sea, wave in zip(seas, waves.values(), strict=True)]
     if pto.efficiency == 1:
         seas = seen.with_steps(seas, list(waves.values()), (low, highest))
-    shown = _band(in_direction(response, study.waves[0]), max(lowest(low, high), low), high)
+    omega, power = response.omega.values, in_direction(response, study.waves[0]).best_power.max("design").values
+    last = min(high, float(omega[power >= 0.01 * power.max()].max()))  # where some design absorbs a hundredth
+    shown = omega[(omega >= max(lowest(low, high), low)) & (omega <= last)]
+    shown = np.asarray(shown[thinned(shown)])
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
-    bands, bound = (
-        [seen.grid(shown, towards) for towards in going],
-        response.attrs.get("limit", "λ/2π" if study.buoy else ""),
-    )
+    bands = [seen.grid(shown, towards) for towards in going]
+    bound = response.attrs.get("limit", "λ/2π" if study.buoy else "")
     on = [seen.grid(*one) for one in grids]
     return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound, port_kind(pto.port))
 
@@ -232,21 +371,6 @@ class _Seen:
         return [replace(sea, steps=steps(wave, self.ports(wave.direction))) for sea, wave in pairs]
 
 
-def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
-    """Frequencies of the curves over the band, up to where no design absorbs more than a hundredth of its maximum."""
-    omega, power = response.omega.values, response.best_power.max("design").values
-    high = min(high, float(omega[power >= 0.01 * power.max()].max()))
-    inside = omega[(omega >= low) & (omega <= high)]
-    return np.asarray(inside[thinned(inside)])
-
-
-def _shown_seas(study: AnyStudy) -> dict[str, RegularWave | Irregular]:
-    """One wave of every sea by its name; none of still water."""
-    irregular = {waves[0].label: name for name, waves in families(study).items()}
-    drawn = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
-    return {irregular.get(wave.label, wave.label): wave for wave in itertools.islice(drawn, SEAS)}
-
-
 def _sea(
     study: AnyStudy,
     name: str,
@@ -261,7 +385,8 @@ def _sea(
     within = {str(line["design"]): float(line["power"]) for line in limited if line["sea"] == name}
     squares, jonswap = None, None
     if isinstance(wave, IrregularSea):
-        duration = min(study.simulation.duration, _longest(len(study.designs), highest))
+        room = 2 * math.pi * MOST / (1.1 * highest * len(study.designs))  # longest run that a page has room for [s]
+        duration = min(study.simulation.duration, room)
         omega, amplitude = components(wave, highest, duration)
         width = 2 * float(omega[0])
         kept = (omega >= known[0]) & (omega <= known[1])
@@ -277,21 +402,15 @@ def _sea(
     return InteractiveSea(wave.description, place, squares, jonswap, given, within)
 
 
-def _longest(designs: int, highest: float) -> float:
-    """Longest run whose components a page has room for [s], by how many designs there are and the highest frequency."""
-    return 2 * math.pi * MOST / (1.1 * highest * designs)
-
-
 def _jonswap(wave: PeakedSea, gamma: float, width: float, band: tuple[float, float]) -> dict[str, float]:
-    """Parameters of a spectrum, and peak periods between which it lies within a band of frequencies."""
+    """Parameters of a spectrum, and peak periods between which it lies within a band of frequencies.
+
+    The integral is that of x^-5 exp(-1.25 x^-4) bump over x, frequencies in terms of the peak's [-].
+    """
     periods = 2 * math.pi / np.array(band)
-    own = {"hs": wave.hs, "tp": wave.tp, "gamma": gamma, "width": width, "integral": _integral(gamma)}
+    integral = math.exp(-1.25) * gamma / float(jonswap_spectrum(np.array([1.0]), 4.0, 2 * math.pi, gamma)[0])
+    own = {"hs": wave.hs, "tp": wave.tp, "gamma": gamma, "width": width, "integral": integral}
     return own | {"shortest": min(wave.tp, 5 * float(periods[1])), "longest": max(wave.tp, 0.5 * float(periods[0]))}
-
-
-def _integral(gamma: float) -> float:
-    """Integral of x^-5 exp(-1.25 x^-4) bump over x, frequencies of a JONSWAP sea in terms of its peak's [-]."""
-    return math.exp(-1.25) * gamma / float(jonswap_spectrum(np.array([1.0]), 4.0, 2 * math.pi, gamma)[0])
 
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
@@ -322,7 +441,9 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         no_slider=no_slider(study),
-        figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in of_study(stored.study)},
+        figures={
+            n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in figure_names.of_study(stored.study)
+        },
         facts=_facts(stored, stored.runs.attributes()),
     )
     write_text(out, render(page))
@@ -348,7 +469,11 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     if buoy:
         assumed = {"Hydrodynamics": ASSUMED.format(buoy.hydro.pressure)} if not study.needs_bem else {}
         hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
-    text = yaml.safe_dump(_printed(study), sort_keys=False, default_flow_style=None, width=100)
+    printed = study.model_dump(exclude_none=True)
+    for wave, sea in zip(printed["waves"], study.waves, strict=True):
+        if isinstance(sea, SeaOfFile):  # of records and spectra how much they hold
+            wave["file"] = sea.file.size
+    text = yaml.safe_dump(printed, sort_keys=False, default_flow_style=None, width=100)
     files = ", where checksums stand for the files" if CONTENTS in text else ""
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
@@ -360,15 +485,6 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
         "Study": text,
     }
-
-
-def _printed(study: AnyStudy) -> dict[str, Any]:
-    """A study as nested mappings, of records and spectra how much they hold in their place."""
-    found = study.model_dump(exclude_none=True)
-    for wave, sea in zip(found["waves"], study.waves, strict=True):
-        if isinstance(sea, SeaOfFile):
-            wave["file"] = sea.file.size
-    return found
 
 
 def _inputs(stored: Inputs) -> str:
@@ -410,3 +526,52 @@ def _cross_check_facts(stored: Inputs, study: Study) -> dict[str, str]:
         "Cross-check": f"{name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
         f"{ds.attrs['panels']} on {ds.attrs['rows']} rows ({panels:.1f} s) and the spectral solver ({spectral:.1f} s)"
     }
+
+
+ANIMATED_SEAS = 4
+"""Most seas whose motion a page holds."""
+
+
+def animated_study(stored: Inputs, words: Mapping[str, str]) -> dict[str, Any] | None:
+    """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
+
+    None of a body whose coefficients come without its mesh.
+    """
+    study, shown = stored.study, _shown(stored)
+    if buoy := study.buoy:
+        labels, radius = list(map(str, stored.modes.mode.values)), buoy.device.radius
+        factor = round_factor(_largest(stored, lambda run: largest_shell(run.position, labels)), radius)
+        view, drawn = View(SEEN * radius), {"factor": factor, "shapes": shapes_data(stored.modes)}
+    elif OUTLINE in (ds := stored.database):
+        labels = list(map(str, ds.influenced_dof.values))
+        view, drawn = outline_data(ds, _largest(stored, lambda run: largest_motion(ds, run)))
+    else:
+        return None
+    return {
+        "designs": designs_data(list(study.designs), study.reference_design),
+        "width": view.width,
+        **drawn,
+        "seas": [_frames(stored, wave, words[wave.label], view, labels) for wave in shown],
+    }
+
+
+def _shown(stored: Inputs) -> tuple[Wave, ...]:
+    """Seas that are drawn."""
+    return (stored.study.one_of_each_sea or stored.study.drawn_waves)[:ANIMATED_SEAS]
+
+
+def _largest(stored: Inputs, motion: Callable[[xr.Dataset], float]) -> float:
+    """Largest motion [m] of all designs in the seas that are drawn, within the study's window."""
+    window, designs = slice(*stored.study.simulation.window), stored.study.designs
+    return max(motion(stored.runs[one, wave.label].sel(time=window)) for wave in _shown(stored) for one in designs)
+
+
+def _frames(stored: Inputs, wave: Wave, words: str, view: View, labels: Sequence[str]) -> dict[str, Any]:
+    """Frames of one sea; of a spread one the line through the designs does not tell its surface."""
+    study = stored.study
+    runs = {design: stored.runs[design, wave.label].position for design in study.designs}
+    sea = study_sea(study, wave, stored.database) if study.needs_bem else NO_WAVES
+    moved = sea if sea.heading is None else NO_WAVES
+    period = study.simulation.duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
+    towards = math.radians(heading(wave))
+    return frames_data(words, runs, moved, study.simulation.window, period, view, study.water, labels, towards)

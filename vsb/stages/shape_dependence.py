@@ -14,8 +14,8 @@ from vsb.errors import DatabaseError
 from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
 from vsb.models.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
+from vsb.report.canvas import svg_text
 from vsb.report.hydro_figures import shape_figure
-from vsb.report.svg import svg_text
 from vsb.study.study import Study
 from vsb.tools.files import load, save, write_text
 
@@ -32,23 +32,17 @@ def counter(total: int) -> Callable[[], None]:
     return show
 
 
-def _finished(path: str, identity: str) -> xr.Dataset | None:
-    """The result of an earlier run of the same study, if there is one."""
-    try:
-        ds = load(path)
-    except DatabaseError:
-        return None
-    return ds if ds.attrs.get("spec_id") == identity else None
-
-
 def shape_dependence(study: Study, out_nc: str, out_figure: str) -> str:
     """Write the shape dependence of a study as netCDF and its figure as SVG; return `answer`.
 
     Shapes solved wait in a folder beside the netCDF file until it is complete: a run interrupted goes on from there.
     """
     identity = content_id([study, __version__])
-    ds = _finished(out_nc, identity)
-    if ds is None:
+    try:  # of an earlier run of the same study
+        ds = load(out_nc)
+    except DatabaseError:
+        ds = xr.Dataset()
+    if ds.attrs.get("spec_id") != identity:
         store = Path(out_nc).with_suffix(".shapes")
         family = replace(study_family(study, reference_shell(study)), store=store)
         ds = shape_dataset(study, replace(family, after_each=counter(shapes_of_study(study, family))))

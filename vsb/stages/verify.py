@@ -26,16 +26,14 @@ TRASH = "trash"
 
 
 def verify(target: str) -> list[str]:
-    """Check the results of a study file or of a folder, contents included; return the lines to print.
+    """Check the results of a study file, of a study's folder, or of that of all results; return the lines to print.
 
-    Raises `VsbError` if something is not what it should be, or missing; several of these are printed, a line each.
-
-    Parameters
-    ----------
-    target : str
-        A study file, a study's folder of results, or the folder of all results.
+    Contents included. Raises `VsbError` if something is wrong or missing; several of these are printed, a line each.
     """
-    plans = _plans(target)
+    folders = [Path(target), *sorted(Path(target).iterdir())] if Path(target).is_dir() else []
+    plans: Sequence[Plan] = [plan for one in folders if (one / STUDY).is_file() and (plan := _plan(one))]
+    if not folders:
+        plans = [plan_of(target)]
     root = Path(plans[0].root if plans else target)
     ids = {path: identity for plan in plans for path, identity in plan.file_ids.items()}
     missing = sorted({path for plan in plans for path in plan.products if not Path(path).exists()})
@@ -55,15 +53,6 @@ def verify(target: str) -> list[str]:
 def _more(lines: Sequence[object]) -> str:
     """How many others there are."""
     return f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
-
-
-def _plans(target: str) -> Sequence[Plan]:
-    """The plans of a study or campaign file, or of the studies in a folder."""
-    place = Path(target)
-    if not place.is_dir():
-        return [plan_of(target)]
-    folders = [folder for folder in (place, *sorted(place.iterdir())) if (folder / STUDY).is_file()]
-    return [plan for folder in folders if (plan := _plan(folder))]
 
 
 def _plan(folder: Path) -> AnyPlan | None:

@@ -1,9 +1,9 @@
-"""Spectral solution of the water, and the hydro database made of solved blocks."""
+"""Shell modes of a study, meshes to look at, the spectral solution of the water, and the hydro database of blocks."""
 
 import json
 import math
 import time as clock
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, Self, TypeVar
 
@@ -14,18 +14,81 @@ from vsb import __version__
 from vsb.engine.hydro import database, orders, quality
 from vsb.engine.hydro.database import Check, with_history
 from vsb.engine.hydro.dofs import displacements
+from vsb.engine.hydro.panels.mesh import display_shapes, write_wet_shell
 from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
 from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
 from vsb.engine.shell.deformed import ReferenceShell, rigid_buoy
-from vsb.engine.shell.meridian import also_through
+from vsb.engine.shell.meridian import also_through, curve
+from vsb.engine.shell.modes import Mode
 from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
-from vsb.models.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
+from vsb.keys.quantities import content_id
+from vsb.models.rest import check_stable, mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.stages.stage import stamp
 from vsb.study.resolution import COARSEST_SWEEP
-from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
+from vsb.study.specs import DatabaseSpec, DisplaySpec, LoadedShape, ModesSpec, SpectralSpec
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save
+from vsb.tools.stamps import record
+
+COLATITUDES = np.linspace(0.0, np.pi, 181)
+REST = ("rest_radial", "rest_meridional")
+"""Variables that lead from the sphere to another shape at rest, where there is one."""
+ORDER = "order"
+"""Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
+
+
+def run_modes(spec: ModesSpec, out: str) -> None:
+    """Write the shell modes of a study, after checking that every design has motions left."""
+    reference = reference_shell(spec)
+    check_stable(spec, reference)
+    save(shell_modes(spec, reference).assign_attrs(basis=spec.modes.basis, **stamp(spec)), out)
+
+
+def shell_modes(study: Study | ModesSpec, reference: ReferenceShell) -> xr.Dataset:
+    """Return shapes, degrees, dry frequencies and amplitudes at rest of the shell modes, in the plane of the waves."""
+    orders = [basis for basis in order_bases(study, reference.basis) if not basis.odd]  # the odd ones are these, turned
+    heaving = reference.basis
+    v, u = heaving.displacement(COLATITUDES)
+    parts = [_shapes(heaving.modes, 0, v[1:], u[1:], heaving.dry_frequencies, reference.modal_amplitude[1:])]
+    for basis in orders:
+        v, u, _ = (part[basis.rigid :] for part in basis.field(COLATITUDES))
+        parts.append(_shapes(basis.modes, basis.order, v, u, basis.dry_frequencies, np.zeros(len(basis.modes))))
+    modes = xr.concat(parts, "mode") if orders else parts[0].drop_vars(ORDER)
+    if (rest := reference.basis.shell.rest) is not None:  # what leads to it from the sphere, along e_r and e_phi
+        at, sin, cos = curve(rest, COLATITUDES), np.sin(COLATITUDES), np.cos(COLATITUDES)
+        beyond = at.x * sin + at.z * cos - study.device.radius, at.x * cos - at.z * sin
+        modes = modes.assign({name: ("colatitude", each) for name, each in zip(REST, beyond, strict=True)})
+    height = study.centre_height + reference.modal_amplitude[0]
+    return modes.assign_attrs(radius=study.device.radius, centre_height=height)
+
+
+def _shapes(
+    modes: Sequence[Mode], order: int, radial: FloatArray, meridional: FloatArray, dry: FloatArray, static: FloatArray
+) -> xr.Dataset:
+    """Shapes of the modes of an order along the meridian theta = 0."""
+    return xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), radial),
+            "meridional": (("mode", "colatitude"), meridional),
+            "degree": ("mode", [mode.degree for mode in modes]),
+            ORDER: ("mode", np.full(len(modes), order)),
+            "dry_frequency": ("mode", dry),
+            "static_amplitude": ("mode", static),
+        },
+        coords={"mode": np.array([mode.label for mode in modes], dtype=str), "colatitude": COLATITUDES},
+    )
+
+
+def run_display(spec: DisplaySpec, out: str, manifest: str) -> None:
+    """Write the mean wetted shell, and one deformed shell per mode and sign, into a folder."""
+    shapes = display_shapes(reference_shell(spec).shape)
+    for name, shape in shapes.items():
+        write_wet_shell(shape, f"{out}/{name}.vtu")
+    record(manifest, content_id(spec), [f"{out}/{name}.vtu" for name in shapes])
+
 
 REFINED = (0.1, 0.01)
 """Shares of the tolerance to which blocks of a database that fails a check are solved again, one after the other."""
@@ -43,14 +106,18 @@ FILM = 1e-4
 
 def run_spectral(spec: SpectralSpec, out: str) -> None:
     """Solve one block of frequencies, as finely as the tolerance needs."""
-    begun = clock.perf_counter()
-    problem, omega = spectral_problem(spec), list(spec.omega)
+    solved = _solved(spec)
+    save(solved.assign_attrs(**geometry_errors(spec), **stamp(spec)), out)
+
+
+def _solved(spec: SpectralSpec, share: float = 1.0) -> xr.Dataset:
+    """A block solved to a share of its tolerances, with its `seconds`."""
+    begun, problem, omega = clock.perf_counter(), spectral_problem(spec), list(spec.omega)
     if spec.interpolation:
-        solved = converged_on_grid(problem, omega, spec.tolerance, spec.interpolation)
+        found = converged_on_grid(problem, omega, share * spec.tolerance, share * spec.interpolation)
     else:
-        solved = converged(problem, omega, spec.tolerance)
-    attrs = geometry_errors(spec) | stamp(spec)
-    save(solved.assign_attrs(**attrs, seconds=clock.perf_counter() - begun), out)
+        found = converged(problem, omega, share * spec.tolerance)
+    return found.assign_attrs(seconds=clock.perf_counter() - begun)
 
 
 def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
@@ -148,15 +215,6 @@ def refined(
     """Return what is made of blocks, solved again more finely while a check fails that this may mend, and its history.
 
     Blocks of panels stay as they are: their mesh would be another one.
-
-    Parameters
-    ----------
-    blocks : mapping of xarray.Dataset
-        By their ids, as of `run_spectral`.
-    assemble : callable
-        Makes of blocks what has checks.
-    accept : sequence of str
-        Checks whose failure is accepted.
     """
     made, history = assemble(blocks), []
     for share in REFINED:
@@ -168,7 +226,9 @@ def refined(
         except ConvergenceError:
             break
         worse, made = made, assemble(blocks)
-        history.append(_refinement(worse.checks, made.checks, failing, share))
+        pairs = zip(worse.checks, made.checks, strict=True)
+        changes = (f"{one.name} {one.value:.3g} became {new.value:.3g}" for one, new in pairs if one.name in failing)
+        history.append(f"solved again to {share:g} of the tolerance: {', '.join(changes)}")
     return made, history
 
 
@@ -177,21 +237,9 @@ def _solved_again(block: xr.Dataset, share: float) -> xr.Dataset:
     raw = json.loads(block.attrs["spec"])
     if raw["solver"] != "spectral":
         raise ConvergenceError("panels: solved again they need another mesh")
-    spec = SpectralSpec.model_validate(raw)
-    begun, problem, omega = clock.perf_counter(), spectral_problem(spec), list(spec.omega)
-    if spec.interpolation:
-        solved = converged_on_grid(problem, omega, share * spec.tolerance, share * spec.interpolation)
-    else:
-        solved = converged(problem, omega, share * spec.tolerance)
-    seconds = block.attrs["seconds"] + clock.perf_counter() - begun
-    return solved.assign_attrs(**{key: block.attrs[key] for key in ("spec", "spec_id")}, seconds=seconds)
-
-
-def _refinement(before: Sequence[Check], after: Sequence[Check], names: Set[str], share: float) -> str:
-    """What a refinement changed, for the history of a database."""
-    pairs = zip(before, after, strict=True)
-    changes = (f"{one.name} {one.value:.3g} became {new.value:.3g}" for one, new in pairs if one.name in names)
-    return f"solved again to {share:g} of the tolerance: {', '.join(changes)}"
+    solved = _solved(SpectralSpec.model_validate(raw), share)
+    stamps = {key: block.attrs[key] for key in ("spec", "spec_id")}
+    return solved.assign_attrs(**stamps, seconds=block.attrs["seconds"] + solved.attrs["seconds"])
 
 
 def _at_rest(spec: DatabaseSpec) -> dict[str, object]:

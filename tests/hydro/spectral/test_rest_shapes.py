@@ -16,7 +16,7 @@ from vsb.engine.shell.modes import Mode, ModeBasis, natural_shapes
 from vsb.engine.shell.shell import Shell
 from vsb.models.ports import buoy_at
 from vsb.models.rest import reference_shell
-from vsb.stages.campaign import swept_shape
+from vsb.stages.members import swept_shape
 
 DENSITY, GRAVITY = 1025.0, 9.81
 

@@ -1,26 +1,36 @@
-"""Rule verification: runs in time of few seas of a member's year beside linear theory, and the year they correct."""
+"""Stages members and verification: points of a campaign over its year, and a few of its seas in time beside them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
 
+from vsb.engine.hydro import database, orders, quality
+from vsb.engine.hydro.database import Check
 from vsb.engine.integrators.settings import Simulation
+from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
+from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.waves.climate import Climate, realised
-from vsb.errors import ConvergenceError, StabilityError
-from vsb.keys.quantities import content_id
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
+from vsb.keys.quantities import canonical, content_id
 from vsb.models.build import Memory, body_memory, radiation_model
-from vsb.models.floating_system import AnyBody, Floating, floating_system
-from vsb.models.rest import rubber_shell
+from vsb.models.floating_system import AnyBody, Floating, floating_body, floating_system, stored_body
+from vsb.models.ports import STATED, BuoyOfShape, SweptShape
+from vsb.models.rest import order_bases, rubber_shell
 from vsb.models.stationary import realised_within
-from vsb.models.viability import with_designs
+from vsb.models.viability import Viability, viability, viability_of_body, with_designs
 from vsb.pipeline.graph import StudyPlan, database_path, radiation_path
+from vsb.pipeline.plans import Member, members
+from vsb.results.campaign import stacked
 from vsb.results.causal_year import Schedule, schedules_at_port, year_of_schedules
 from vsb.results.matrix_year import year_of_matrices
-from vsb.results.member import ports_year
+from vsb.results.member import YearsWithin, member, ports_year
 from vsb.results.verification import (
     DECAYS,
     RECORD,
@@ -38,16 +48,143 @@ from vsb.results.verification import (
     without_power,
 )
 from vsb.results.year import bins_of, frequencies
-from vsb.stages.campaign import at_rest
-from vsb.stages.climate import read_climate
-from vsb.stages.make import make
+from vsb.stages.check import read_climate
+from vsb.stages.make import make, solve
 from vsb.stages.stage import stamp
+from vsb.stages.water import refined
 from vsb.study.body import BodyHydro
 from vsb.study.campaign import CAUSAL, Verify
-from vsb.study.specs import BodySystem, RadiationSpec, VerificationSpec
+from vsb.study.resolution import COARSEST_SWEEP
+from vsb.study.specs import BodySystem, MemberSpec, MembersSpec, RadiationSpec, VerificationSpec
 from vsb.study.study import Study
+from vsb.tools import packed
 from vsb.tools.arrays import FloatArray
-from vsb.tools.files import save
+from vsb.tools.files import load, save
+
+
+def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
+    """Write the members of a batch, each to the end of one file as soon as it is finished, then all as netCDF.
+
+    Members that are in another file of the folder, of batches that were cut otherwise, are taken from there.
+    """
+    batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
+    work = Work(read_climate(spec.climate, climate), spec, root)
+    stored, own = packed.packs(folder), packed.Pack(Path(folder, f"{Path(out).stem}{packed.SUFFIX}"))
+    found = [finished(stored.get(one.id), own, one, work) for one in batch]
+    ids = [one.id for one in batch]
+    save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
+
+
+@dataclass
+class Work:
+    """What the members of a batch have in common."""
+
+    climate: Climate
+    spec: MembersSpec
+    root: str
+    _coefficients: dict[tuple[str, ...], Any] = field(default_factory=dict)  # of the last shape or body alone
+    _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
+    _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
+
+    def results(self, one: Member) -> xr.Dataset:
+        """Return the results of a member."""
+        rest, floating = at_rest(one.study, one.spec, self.root, self._coefficients)
+        within: YearsWithin | None = None
+        if given := self.spec.constrained:
+            from vsb.results.constrained_year import Optima  # compiled
+
+            within = Optima(given.seconds, given.seed, self._optima)
+        return member(rest, floating, self.climate, self.spec.tuning, within, self._rigid)
+
+
+def at_rest(
+    study: Study | AnyBody, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
+) -> tuple[Viability, Callable[[], Floating]]:
+    """Return which designs of a member are viable, and what floats of these, to be asked for if there are any.
+
+    `known` keeps the coefficients while members of the same shape, or body, follow.
+    """
+    kept = {} if known is None else known
+
+    def coefficients(read: Callable[[], Any]) -> Any:
+        if spec.sweep not in kept:
+            kept.clear()
+            kept[spec.sweep] = read()
+        return kept[spec.sweep]
+
+    if not isinstance(study, Study):
+        body: LinearSystem = coefficients(lambda: stored_body(database_path(root, *spec.sweep)))
+        floating = floating_body(study, replace(body, direction=float(np.deg2rad(spec.climate.direction))))
+        found = viability_of_body(study, floating)
+        return found, lambda: floating_body(with_designs(study, found.designs), floating.linear)
+    rest, buoy = viability(study), study
+
+    def buoy_of_shape() -> BuoyOfShape:
+        assert rest.reference is not None  # where designs are viable
+        basis = rest.reference.basis
+        swept = coefficients(lambda: swept_shape(buoy, basis, root))
+        return BuoyOfShape(with_designs(buoy, rest.designs), rest.reference, swept)
+
+    return rest, buoy_of_shape
+
+
+def finished(stored: packed.Pack | None, own: packed.Pack, one: Member, work: Work) -> xr.Dataset:
+    """Return the results of a member from where they are stored, computed and written now if they are not."""
+    try:
+        if stored:
+            return stored.read(one.id)
+    except DatabaseError as error:
+        print(f"{error} It is computed anew.")
+    found = work.results(one)
+    found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
+    own.append(found)
+    return found
+
+
+def swept_shape(study: Study, basis: ModeBasis, root: str) -> SweptShape:
+    """Return the coefficients of a shape, solved if they are not there.
+
+    Raises `DatabaseError` if a check on them fails that the study does not accept.
+    """
+    plan = StudyPlan(study, root=root)
+    solve(plan)
+    families = order_bases(study, basis)
+    return SweptShape(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+
+
+def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearSystem:
+    """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
+    study, order, water = plan.study, family.order if family else 0, plan.study.water
+    paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
+    blocks = {Path(path).stem: load(path, expected=Path(path).stem) for path in paths}
+    made, _ = refined(blocks, lambda found: _Swept.of(study, list(found.values()), basis, family), study.hydro.accept)
+    quality.judged(made.checks, study.hydro.accept)
+    raw = database.with_symmetrized(made.whole)
+    if order:
+        raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
+    raw = raw.assign_attrs(made.errors)
+    count = raw.sizes["influenced_dof"]
+    return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
+
+
+class _Swept(NamedTuple):
+    """Coefficients of one azimuthal order from blocks, judged as those of a database are, and errors stated of them."""
+
+    whole: xr.Dataset
+    checks: list[Check]
+    errors: dict[str, float]
+
+    @classmethod
+    def of(cls, study: Study, blocks: Sequence[xr.Dataset], basis: ModeBasis, family: OrderBasis | None) -> Self:
+        """Return the coefficients of blocks; none of a family: of heave and axisymmetric modes."""
+        whole = database.with_excitation(database.merged_blocks(blocks))
+        wet = orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis)
+        tolerance, order = study.hydro.tolerance, family.order if family else 0
+        precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
+        checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
+        checks += quality.verdict(wet, None, study.water, precision, order)
+        errors = {name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED}
+        return cls(whole, checks, errors)
 
 
 def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
@@ -72,10 +209,8 @@ def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) 
 
 def in_words(verify: Verify) -> str:
     """Return which runs these are."""
-    return (
-        f"{verify.seas} seas, {verify.model.replace('_', '-')}, means over {RECORD:g} energy periods after a start-up "
-        f"of at least {STARTUP:g}"
-    )
+    model, means = verify.model.replace("_", "-"), f"means over {RECORD:g} energy periods"
+    return f"{verify.seas} seas, {model}, {means} after a start-up of at least {STARTUP:g}"
 
 
 def _of_viable(
@@ -173,14 +308,7 @@ def powers_in_time(
     given: Simulation,
     model: Model,
 ) -> FloatArray:
-    """Return `runs_in_time` of designs with dampers.
-
-    Parameters
-    ----------
-    dampers : ndarray, shape (design, sea) or (design, sea, port, port)
-        Damper of each design in each sea, or its damper matrix.
-    designs : mapping name -> DesignInTime
-    """
+    """Return `runs_in_time` of designs with a damper, or damper matrix, of each in each sea, (design, sea, ...)."""
     highest, names = float(climate.edges[-1]), list(designs)
 
     @cache
@@ -199,21 +327,8 @@ def runs_in_time(
 ) -> FloatArray:
     """Return mean powers in the drawn seas: of the better model, of linear theory, of that without transients.
 
-    Linear theory starts from rest where motions last longer than the longest start-up.
-
+    Of shape (3, design, draw) [W]. Linear theory starts from rest where motions last longer than the longest start-up.
     Raises `ConvergenceError` or `StabilityError` if a run fails, with its sea.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of the designs.
-    given : Simulation
-        Tolerance and method.
-    model : {'body_exact', 'linear'}
-
-    Returns
-    -------
-    ndarray, shape (3, design, draw) [W]
     """
     found = np.empty((3, len(names), len(sample.sea)))
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
