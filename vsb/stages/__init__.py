@@ -1,4 +1,4 @@
 """The stages of the workflow and the commands: what reads files, computes, and writes files.
 
-A stage is a row of the table in `stage.py`, a specification of `vsb.study.specs` and a function `run_NAME`.
+A stage is a row of `STAGES` and a task in `vsb.pipeline`, a specification of `vsb.study.specs`, a function `run_NAME`.
 """

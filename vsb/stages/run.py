@@ -47,7 +47,7 @@ RECORD_NAME = 254
 def run(args: argparse.Namespace) -> int:
     """Run a study, campaign or design problem, after validating all that can be known beforehand."""
     from vsb.stages import verify
-    from vsb.tools.files import check_folder
+    from vsb.tools.files import attributes, check_folder
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # as in a job of Snakemake's: threads of small matrices only wait
@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     if dry or not (report := Path(plan.folder) / "report.html").is_file():
         return 0
     print(f"{plan.name}: {_answer(plan)}{report}")
-    return 0 if _is_answered(plan) else 1
+    return int(isinstance(plan, DesignPlan) and not attributes(plan.data_path)["valid"])  # others may have part of one
 
 
 def _run_here(plan: Plan, stale: Sequence[str], *, quiet: bool) -> None:
@@ -97,16 +97,7 @@ def _run_by_snakemake(
 ) -> int:
     """Make all products, or what is asked of Snakemake, by its jobs; return the exit code.
 
-    Parameters
-    ----------
-    stale : sequence of str
-        Files to make anew.
-    profile, given : Path, mapping
-        Folder of the profile, and what it says.
-    held : sequence of int
-        File descriptors of locks, which processes that are left behind keep.
-    dry : bool
-        Whether it only says what it would do.
+    Processes that are left behind keep the locks in `held`.
     """
     from vsb.tools.files import check_folder, write_text
 
@@ -212,13 +203,6 @@ def unmade(plan: Plan) -> list[str]:
         return []
     made = [path for task in due(plan.tasks, plan.products) for path in task.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
-
-
-def _is_answered(plan: Plan) -> bool:
-    """Whether a design problem has a valid answer; studies and campaigns, which may have part of one, always do."""
-    from vsb.tools.files import attributes
-
-    return not isinstance(plan, DesignPlan) or bool(attributes(plan.data_path)["valid"])
 
 
 def _answer(plan: Plan) -> str:

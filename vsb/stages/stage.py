@@ -122,17 +122,13 @@ def exclusive_lock(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("a") as handle:
         if not files.take(handle.fileno()):
-            raise VsbError(f"{folder}: another run is at work in this folder{_holder(folder)}; wait for it to end")
+            holder = (folder / ".lock").read_text(encoding="utf-8")  # if it has said so
+            words = f" ({holder})" if holder else ""
+            raise VsbError(f"{folder}: another run is at work in this folder{words}; wait for it to end")
         handle.truncate(0)
         handle.write(f"process {os.getpid()} on {socket.gethostname()}")
         handle.flush()
         yield [handle.fileno()]
-
-
-def _holder(folder: Path) -> str:
-    """Which process holds a folder, if it has said so."""
-    said = (folder / ".lock").read_text(encoding="utf-8")
-    return f" ({said})" if said else ""
 
 
 @contextmanager

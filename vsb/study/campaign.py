@@ -202,7 +202,9 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     if isinstance(study, BodyStudy):
         campaign, floats_by = _of_a_body(campaign, study, source), {}
     else:
-        floats_by = _floats_by(given, study)
+        device = given["device"] if isinstance(given, Mapping) else {}  # mass or draft decides; else half immersion
+        mass = {"mass": study.device.mass} if "mass" in device else {}
+        floats_by = {"draft": study.draft} if "draft" in device else mass
         _check_buoy(campaign, study, floats_by, source)
     try:
         digest = sha256_of(climate)[:16]
@@ -281,14 +283,6 @@ def check_no_direction(climate: YearOfSeas, source: str) -> None:
         raise ConfigError(
             f"{source}: climate.direction: a buoy of revolution answers seas of all directions alike; remove it"
         )
-
-
-def _floats_by(raw: Any, study: Study) -> dict[str, float]:
-    """What decides the draft in a study file: its mass, its draft, or nothing, half immersion."""
-    device = raw["device"] if isinstance(raw, Mapping) else {}
-    if "draft" in device:
-        return {"draft": study.draft}
-    return {"mass": study.device.mass} if "mass" in device else {}
 
 
 class LoadedCampaign(Section):
@@ -406,18 +400,13 @@ def any_study_at(base: Mapping[str, Any], point: Point) -> AnyStudy:
     if isinstance(file := raw.get("body", {}).get("file"), dict):
         raw["water"] = file["water"]
     study, _ = _located({"study": "member", "waves": [{"kind": "still"}], **raw}, where)
-    _check_linear(study, where)
-    return study
-
-
-def _check_linear(study: AnyStudy, where: str) -> None:
-    """Check that waves go one way, and that nothing is lost but at the take-off: a year counts power at the port."""
     if study.buoy and study.buoy.motion == "free":
         raise ConfigError(
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )
     if study.plates:
         raise ConfigError(f"{where}: drag: a year is computed by linear theory, which has no drag; remove it")
+    return study
 
 
 def _scale(value: Value) -> float:
@@ -431,20 +420,14 @@ MATRICES = ("body.mass", "body.damping", "body.stiffness")
 """Sections of a study whose keys are degrees of freedom; a study need not have them."""
 
 
-def _with_item(items: Sequence[Any], path: list[str], value: object, key: str) -> Any:
-    """A list with one value set, counted from 0."""
-    first, *rest = path
-    if not first.isdigit() or int(first) >= len(items):
-        raise ConfigError(f"{key}: needs a number below {len(items)} in place of {first}")
-    place = int(first)
-    return [*items[:place], _with(items[place], rest, value, key) if rest else value, *items[place + 1 :]]
-
-
 def _with(raw: Any, path: list[str], value: object, key: str) -> Any:
-    """Nested mappings with one value set; the last word may be new: an option that is off by default."""
+    """Nested mappings with one value set, in lists counted from 0; the last word may be new: an option."""
     first, *rest = path
     if isinstance(raw, list | tuple):
-        return _with_item(raw, path, value, key)
+        if not first.isdigit() or int(first) >= len(raw):
+            raise ConfigError(f"{key}: needs a number below {len(raw)} in place of {first}")
+        place = int(first)
+        return [*raw[:place], _with(raw[place], rest, value, key) if rest else value, *raw[place + 1 :]]
     if rest and not isinstance(raw.get(first) or {}, dict | list | tuple):
         raise ConfigError(f"{key}: {first} is a value, which has no key {rest[0]}")
     if rest and first not in raw and not key.startswith(MATRICES):

@@ -1,7 +1,6 @@
 """How finely a study is solved: degree of the shell modes, rows of panels, frequency grid and blocks. Pure Python."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,7 +10,6 @@ from vsb.engine.motion.take_off import (
     BetweenPort,
     DistributedPort,
     LinePort,
-    PortChoice,
     SeveralPorts,
     ShellPort,
     StrainPort,
@@ -359,36 +357,23 @@ def no_witness(study: Study) -> str:
 
 def witness_spec(plan: HydroPlan) -> WitnessSpec:
     """Return what is asked of both solvers."""
-    study, water = plan.study, plan.study.water
-    modes = lowest_modes(plan.mode_labels)
+    study, device, water, shape = plan.study, plan.study.device, plan.study.water, plan.shape
+    lowest = sorted(plan.mode_labels, key=degree)[:MOST_MODES]
+    modes = tuple(label for label in plan.mode_labels if label in lowest)
+    if study.flexible and not isinstance(shape, LoadedShape):  # neither stiffness nor density matters to the modes
+        wall = {"thickness": device.thickness, "poisson_ratio": device.poisson_ratio, "basis": study.modes.basis}
+        shape = Shapes(**dict(shape), **wall)
     rows = max(ROWS, *(mode_rows(degree(mode)) for mode in modes), 0)
     meshes = DeformedSpec(
-        shape=_shape(plan), deformed=modes, depth=water.depth, rows=rows, azimuth=2 * rows, lid_rows=FEWEST_LID_ROWS
+        shape=shape, deformed=modes, depth=water.depth, rows=rows, azimuth=2 * rows, lid_rows=FEWEST_LID_ROWS
     )
-    longest = max(LONGEST / study.device.radius, LEAST_DEPTH_IN_WAVENUMBERS / water.depth)
-    shortest = max(SHORTEST / study.device.radius, 2 * longest)
+    longest = max(LONGEST / device.radius, LEAST_DEPTH_IN_WAVENUMBERS / water.depth)
+    shortest = max(SHORTEST / device.radius, 2 * longest)
     omega = [
         round(math.sqrt(water.gravity * k * math.tanh(k * water.depth)), 6)
         for k in (longest, math.sqrt(longest * shortest), shortest)
     ]
     return WitnessSpec(solver=panel_solver(), meshes=meshes, water=water, omega=tuple(omega))
-
-
-def lowest_modes(labels: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the `MOST_MODES` modes of the lowest degrees, in the order of the basis."""
-    chosen = sorted(labels, key=degree)[:MOST_MODES]
-    return tuple(label for label in labels if label in chosen)
-
-
-def _shape(plan: HydroPlan) -> Sphere | Shapes | LoadedShape:
-    """The shape at rest, and what its modes follow from: Poisson's ratio and thickness, not stiffness or density."""
-    study, shape = plan.study, plan.shape
-    if isinstance(shape, LoadedShape) or not study.flexible:
-        return shape
-    device = study.device
-    return Shapes(
-        **dict(shape), thickness=device.thickness, poisson_ratio=device.poisson_ratio, basis=study.modes.basis
-    )
 
 
 # degree of the shell modes --------------------------------------------------------------------------------------------
@@ -452,40 +437,18 @@ def degree_needed(study: AnyBuoy) -> int:
     (`vsb.results.left_out`).
     """
     stiffness, port = wall_stiffness(study, 2), study.pto.port
-    held = study.pto.held is not None and study.pto.held.place == "heave"
-    within = _any(port, _within_shell) or (held and _any(port, _at_ring))
-    turns = _any(port, _turns)
+    ports = [*port.ports.values()] if isinstance(port, SeveralPorts) else [port]
+    rings = [one for one in ports if isinstance(one, ShellPort)]
+    held = study.pto.held is not None and study.pto.held.place == "heave"  # then rings move with the shell alone
+    within = any(held or one.against == "frame" for one in rings) or any(
+        one == "volume" or isinstance(one, BetweenPort | DistributedPort | StrainPort) for one in ports
+    )
+    turns = any(one in ("surge", "pitch") or isinstance(one, LinePort) for one in ports)
     flatter = SHAPES if study.device.shape is not None else 1.0
     factor = (
         MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
     )
     enough = study.modes.tolerance / factor
-    least = AT_POINTS * bending_degree(study) if _any(port, _between_points) else 0.0
+    between = any(isinstance(one, BetweenPort) for one in ports)
+    least = AT_POINTS * bending_degree(study) if between else 0.0
     return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])
-
-
-def _any(port: PortChoice, kind: Callable[[PortChoice], bool]) -> bool:
-    """Whether a port, or one of several, is of a kind."""
-    return any(map(kind, port.ports.values() if isinstance(port, SeveralPorts) else [port]))
-
-
-def _within_shell(port: PortChoice) -> bool:
-    """Whether a port moves with the shell alone."""
-    if isinstance(port, ShellPort):
-        return port.against == "frame"
-    return port == "volume" or isinstance(port, BetweenPort | DistributedPort | StrainPort)
-
-
-def _at_ring(port: PortChoice) -> bool:
-    """Whether a port acts at a ring of the shell; it moves with the shell alone where heave is held."""
-    return isinstance(port, ShellPort)
-
-
-def _between_points(port: PortChoice) -> bool:
-    """Whether a port acts between two points, or rings, of the shell."""
-    return isinstance(port, BetweenPort)
-
-
-def _turns(port: PortChoice) -> bool:
-    """Whether a port moves with surge or pitch."""
-    return port in ("surge", "pitch") or isinstance(port, LinePort)

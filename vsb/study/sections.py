@@ -250,7 +250,9 @@ def check_directions(study: Any) -> None:
 
     Raises `ValueError`: one line with the key, what was received and what is needed.
     """
-    _check_drag(study)
+    moving = {"heave": ("heave",), "planar": tuple(RIGID[i] for i in IN_PLANE), "free": RIGID}[study.motion]
+    for name in (name for name in (study.drag.directions if study.drag else ()) if name not in moving):
+        raise ValueError(f"drag.{name}: motion {study.motion!r} has none; needs drag of {', '.join(moving)}")
     if study.motion == "heave":
         _check_heave(study)
         return
@@ -322,13 +324,6 @@ def _check_heave(study: Any) -> None:
         raise ValueError("pto.port: motion 'heave' moves it in no other direction; needs motion: planar")
 
 
-def _check_drag(study: Any) -> None:
-    """Drag brakes what moves."""
-    moving = {"heave": ("heave",), "planar": tuple(RIGID[i] for i in IN_PLANE), "free": RIGID}[study.motion]
-    for name in (name for name in (study.drag.directions if study.drag else ()) if name not in moving):
-        raise ValueError(f"drag.{name}: motion {study.motion!r} has none; needs drag of {', '.join(moving)}")
-
-
 def _check_mooring(study: Any) -> None:
     """A mooring of planar motion must not couple the plane of the waves with motions out of it."""
     rows = (study.mooring or ()) if study.motion == "planar" else ()
@@ -367,6 +362,8 @@ def check_shape(study: Any) -> None:
     Raises `ValueError`: one line with the key, what was received and what is needed.
     """
     device, hydro = study.device, study.hydro
+    if device.shape is None:
+        return
     if hydro.model not in ("linear", "body_exact"):
         raise ValueError(
             f"hydro.model {hydro.model!r}: is known of the sphere alone; device.shape needs linear or body_exact"

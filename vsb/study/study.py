@@ -7,8 +7,9 @@ import contextlib
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -360,7 +361,7 @@ class Study(Buoy, BaseStudy):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         of_the_sea = (self._check_floats, self._check_waves, self.check_records, self.check_control, self.check_depths)
-        check_all(*of_the_sea, self._check_model, self._check_take_off, self._check_shape)
+        check_all(*of_the_sea, self._check_model, self._check_take_off, partial(check_shape, self))
         return self
 
     def _check_floats(self) -> None:
@@ -514,11 +515,6 @@ class Study(Buoy, BaseStudy):
             check_followed(model, method, pto)
         check_directions(self)
 
-    def _check_shape(self) -> None:
-        """Another shape than the sphere must be asked for what is known of it alone."""
-        if self.device.shape is not None:
-            check_shape(self)
-
     def check_record(self) -> None:
         """Check that every run is short enough to be recorded, and the window long enough to see the motion.
 
@@ -634,55 +630,41 @@ def parse(raw: object, source: str = "study") -> Study:
 # numbers that are likely in another unit ------------------------------------------------------------------------------
 
 
-class _Range(NamedTuple):
-    """A key, its value and unit, and the range values usually have."""
-
-    key: str
-    value: float
-    unit: str
-    least: float
-    most: float
-
-
 def unlikely_units(study: BaseStudy) -> list[str]:
     """Return a line for every number outside its usual range that is within in another unit; of a body none."""
-    return [line for one in _ranges(study) if (line := _line(one))] if isinstance(study, Study) else []
+    lines = []
+    for key, value, unit, least, most in _ranges(study) if isinstance(study, Study) else ():
+        size = abs(value)
+        if size == 0 or math.isinf(size) or least <= size <= most:
+            continue
+        meant = [f"{value:.12g} {other}" for other in LIKELY[unit]]
+        if probable := [one for one in meant if least <= abs(value_in(one, unit)) <= most]:
+            side = "little" if size < least else "much"
+            lines.append(f"{key}: {value:g} {unit} is very {side}; did you mean {probable[0]}?")
+    return lines
 
 
-def _line(one: _Range) -> str:
-    """A number and the quantity it probably means; empty of a usual one."""
-    size = abs(one.value)
-    if size == 0 or math.isinf(size) or one.least <= size <= one.most:
-        return ""
-    for other in LIKELY[one.unit]:
-        meant = f"{one.value:.12g} {other}"
-        if one.least <= abs(value_in(meant, one.unit)) <= one.most:
-            side = "little" if size < one.least else "much"
-            return f"{one.key}: {one.value:g} {one.unit} is very {side}; did you mean {meant}?"
-    return ""
-
-
-def _ranges(study: Study) -> Iterator[_Range]:
-    """Usual ranges: of materials, and of what acts on a buoy against what the water does, rho, g and radius."""
+def _ranges(study: Study) -> Iterator[tuple[str, float, str, float, float]]:
+    """Keys with value, unit and usual range: of materials, and of what acts on a buoy by rho, g and radius."""
     device, water, pto = study.device, study.water, study.pto
     radius, weight = device.radius, water.density * water.gravity
-    yield _Range("water.density", water.density, "kg/m^3", 500.0, 2e4)
+    yield ("water.density", water.density, "kg/m^3", 500.0, 2e4)
     if study.flexible:
-        yield _Range("device.density", device.density, "kg/m^3", 20.0, 2.5e4)
+        yield ("device.density", device.density, "kg/m^3", 20.0, 2.5e4)
         if isinstance(device.material, Hookean):
-            yield _Range("device.young_modulus", device.young_modulus, "Pa", 1e3, 2e12)
+            yield ("device.young_modulus", device.young_modulus, "Pa", 1e3, 2e12)
         for name in ("mu", "c1", "c2"):
             if (modulus := getattr(device.material, name, None)) is not None:
-                yield _Range(f"device.material.{name}", modulus, "Pa", 1e3, 1e9)
-        yield _Range("device.internal_pressure", device.internal_pressure, "Pa", 5e-3 * weight * radius, 1e6)
+                yield (f"device.material.{name}", modulus, "Pa", 1e3, 1e9)
+        yield ("device.internal_pressure", device.internal_pressure, "Pa", 5e-3 * weight * radius, 1e6)
     if port_kind(pto.port) != FORCE:
         return
     for design in study.designs if isinstance(pto.damping, dict) else ("",):
         damper = water.density * radius**3 * math.sqrt(water.gravity / radius)
         key = f"pto.damping.{design}".rstrip(".")
-        yield _Range(key, pto.damper(design) or 0.0, "N s/m", 1e-3 * damper, 1e3 * damper)
-    yield _Range("pto.stiffness", pto.stiffness, "N/m", 1e-3 * weight * radius**2, 1e3 * weight * radius**2)
-    yield _Range("pto.force_limit", pto.force_limit, "N", 1e-3 * weight * radius**3, 1e3 * weight * radius**3)
+        yield (key, pto.damper(design) or 0.0, "N s/m", 1e-3 * damper, 1e3 * damper)
+    yield ("pto.stiffness", pto.stiffness, "N/m", 1e-3 * weight * radius**2, 1e3 * weight * radius**2)
+    yield ("pto.force_limit", pto.force_limit, "N", 1e-3 * weight * radius**3, 1e3 * weight * radius**3)
 
 
 @contextlib.contextmanager
