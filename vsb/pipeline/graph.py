@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
 from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
@@ -110,44 +110,45 @@ class Task:
         which = PurePosixPath(self.out).stem if self.stage == "simulate" else ""
         return f"{STAGES[self.stage].words}{which and f' {which}'}"
 
+    @classmethod
+    def of(
+        cls,
+        stage: str,
+        spec: Any,
+        out: str,
+        reads: Mapping[str, "Task"] | None = None,
+        *,
+        needs: Sequence[str] = (),
+        files: Mapping[str, str] | None = None,
+        makes: Sequence[str] = (),
+        stamps: Sequence["Task"] = (),
+        **options: Any,
+    ) -> Self:
+        """Return a task whose id follows from its specification and what it follows.
+
+        Parameters
+        ----------
+        out : str
+            Path of the file it makes, or their folder; `ID` in it is replaced by the id.
+        reads : mapping of str to Task, optional
+            Tasks it follows by the option that names their file.
+        needs, files, makes : optional
+            Further files it needs; further options; the files it makes, if not `out` alone.
+        stamps : sequence of Task
+            Those it follows that its specification does not name by their ids.
+        """
+        identity = result_id(spec, *(one.id for one in stamps))
+        read = {name: one.out for name, one in (reads or {}).items()}
+        out = out.replace(ID, identity)
+        named = {name: path.replace(ID, identity) for name, path in (files or {}).items()}
+        made = tuple(path.replace(ID, identity) for path in makes) or (out,)
+        return cls(stage, spec, {**read, **named, "out": out}, made, (*read.values(), *needs), identity, **options)
+
     @property
     def handed(self) -> dict[str, Any]:
         """What a process of its own is handed over."""
         names = ("stage", "id", "spec", "files", "makes")
         return {name: getattr(self, name) for name in names}
-
-
-def task(
-    stage: str,
-    spec: Any,
-    out: str,
-    reads: Mapping[str, Task] | None = None,
-    *,
-    needs: Sequence[str] = (),
-    files: Mapping[str, str] | None = None,
-    makes: Sequence[str] = (),
-    stamps: Sequence[Task] = (),
-    **options: Any,
-) -> Task:
-    """Return a task whose id follows from its specification and what it follows.
-
-    Parameters
-    ----------
-    out : str
-        Path of the file it makes, or their folder; `ID` in it is replaced by the id.
-    reads : mapping of str to Task, optional
-        Tasks it follows by the option that names their file.
-    needs, files, makes : optional
-        Further files it needs; further options; the files it makes, if not `out` alone.
-    stamps : sequence of Task
-        Those it follows that its specification does not name by their ids.
-    """
-    identity = result_id(spec, *(one.id for one in stamps))
-    read = {name: one.out for name, one in (reads or {}).items()}
-    out = out.replace(ID, identity)
-    named = {name: path.replace(ID, identity) for name, path in (files or {}).items()}
-    made = tuple(path.replace(ID, identity) for path in makes) or (out,)
-    return Task(stage, spec, {**read, **named, "out": out}, made, (*read.values(), *needs), identity, **options)
 
 
 def due(ordered: Sequence[Task], targets: Collection[str], stale: Collection[str] = ()) -> list[Task]:
@@ -228,13 +229,6 @@ class Graph(ABC):
         """Return the CPU time of tasks whose files are not there [s]."""
         return sum(one.seconds for one in some)
 
-    @property
-    def green(self) -> Task:
-        """The Green-function table of panels."""
-        folder = f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
-        files, out = {"folder": folder}, f"{folder}.done"
-        return Task("green", None, {**files, "out": out}, (out,), on_the_way=True, seconds=costs.GREEN_SECONDS)
-
 
 class ResultsPlan(Graph):
     """What a study of a buoy or of a body computes."""
@@ -281,6 +275,13 @@ class ResultsPlan(Graph):
         yield from self.runs
         yield from self._answers()
 
+    @property
+    def green(self) -> Task:
+        """The Green-function table of panels."""
+        folder = f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
+        files, out = {"folder": folder}, f"{folder}.done"
+        return Task("green", None, {**files, "out": out}, (out,), on_the_way=True, seconds=costs.GREEN_SECONDS)
+
     # frequency domain -----------------------------------------------------------------------------------------------
 
     @cached_property
@@ -289,7 +290,7 @@ class ResultsPlan(Graph):
         hydro, memory = self.study.hydro, {} if self.study.buoy else {"added_mass_inf": self.study.hydro.added_mass_inf}
         spec = RadiationSpec(database=self.database.id, tolerance=hydro.tolerance, **memory)
         read, out = {"database": self.database}, radiation_path(self.root, ID)
-        return task("radiation", spec, out, read, seconds=costs.MEMORY_SECONDS)
+        return Task.of("radiation", spec, out, read, seconds=costs.MEMORY_SECONDS)
 
     @cached_property
     def response(self) -> Task:
@@ -298,7 +299,7 @@ class ResultsPlan(Graph):
         omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)} | {*grid.pop("omega", ())}
         spec = ResponseSpec(system=self.system(), omega=tuple(sorted(omega)), directions=self.study.directions, **grid)
         read, out = {"database": self.database}, f"{self.folder}/response.nc"
-        return task("response", spec, out, read, stamps=(self.database,), seconds=0.8)
+        return Task.of("response", spec, out, read, stamps=(self.database,), seconds=0.8)
 
     @property
     def _response_grid(self) -> dict[str, Any]:
@@ -313,7 +314,7 @@ class ResultsPlan(Graph):
         hydro = {"hydro": Band(omega_max=study.hydro.omega_max)} if study.buoy else {}
         system = self.system("reference_shape", "drag", **modes)
         table, levels = f"{self.folder}/ladder.csv", f"{self.folder}/ladder.json"
-        return task(
+        return Task.of(
             "ladder", LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro), table,
             {"database": self.database}, stamps=(self.database,), makes=(table, levels),
             files={"levels": levels, "manifest": self.manifest}, seconds=costs.ladder_seconds(study),
@@ -322,14 +323,14 @@ class ResultsPlan(Graph):
     # time domain ----------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _solved(self) -> dict[str, Task]:
+    def _hydro(self) -> dict[str, Task]:
         """What the time domain reads, by the option that names it; nothing without coefficients of the water."""
         return {"database": self.database, "radiation": self.radiation} if self.study.needs_bem else {}
 
     @property
     def hydro_files(self) -> dict[str, str]:
-        """The files of that."""
-        return {name: one.out for name, one in self._solved.items()}
+        """Files the time domain reads, by the option that names them."""
+        return {name: one.out for name, one in self._hydro.items()}
 
     def simulation(self, design: str, wave: Wave) -> Task:
         """Return a run in time; of its take-off it reads only the damper of this design, or how to tune it."""
@@ -345,10 +346,10 @@ class ResultsPlan(Graph):
             seas=study.one_of_each_sea if tuning == "one" else (),
             **({"hydro": Dynamics(**dynamics)} if dynamics else {}),
         )
-        solved, out = self._solved, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
+        solved, out = self._hydro, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
         seconds = costs.run_seconds(study, wave, flexible=study.designs[design].flexible)
         memory = self.simulation_megabytes(wave)
-        return task("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
+        return Task.of("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
 
     @cached_property
     def runs(self) -> tuple[Task, ...]:
@@ -372,7 +373,7 @@ class ResultsPlan(Graph):
     @cached_property
     def compare(self) -> Task:
         """The comparison of the whole study, whose id all have that is made of all results; designs in any order."""
-        study, folder, solved = self.study, self.folder, self._solved
+        study, folder, solved = self.study, self.folder, self._hydro
         levels = (self.response, self.ladder) if study.needs_bem else ()
         ordered = [self.simulation(design, wave) for wave in study.waves for design in sorted(study.designs)]
         stamps = [one for one in (self.modes, *solved.values(), self.witness, *levels, *ordered) if one]
@@ -388,7 +389,7 @@ class ResultsPlan(Graph):
             needs.append(files["levels"])
         made = (out, *(files[name] for name in ("statistics", "validity", "study", "tables")))
         once, each = costs.COMPARED_SECONDS
-        return task(
+        return Task.of(
             "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
             seconds=once + each * len(self.runs), megabytes=self._study_megabytes,
         )  # fmt: skip
@@ -397,7 +398,7 @@ class ResultsPlan(Graph):
     def solved(self) -> dict[str, Task]:
         """What there is beside runs in time for tables and figures, by the option that names it."""
         further = {"response": self.response if self.study.needs_bem else None, "witness": self.witness}
-        return self._solved | {name: one for name, one in further.items() if one}
+        return self._hydro | {name: one for name, one in further.items() if one}
 
     @property
     def _read(self) -> dict[str, str]:
@@ -457,7 +458,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     def modes(self) -> Task:
         """The shell modes."""
         names = ("device", "modes", "reference_shape", "designs", "water", "motion", "mooring")
-        return task("modes", ModesSpec(**self._sections(*names)), f"{self.folder}/modes.nc")
+        return Task.of("modes", ModesSpec(**self._sections(*names)), f"{self.folder}/modes.nc")
 
     @cached_property
     def display(self) -> Task:
@@ -465,7 +466,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
         modes, folder = self._modes and self._modes.model_copy(update={"order": 1}), f"{self.root}/hydro/mesh/{ID}"
         spec = DisplaySpec(modes=modes, **self._sections("device", "water", "reference_shape"))
         shapes = [f"{folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
-        return task("display", spec, folder, makes=shapes, files={"manifest": f"{folder}/manifest.json"})
+        return Task.of("display", spec, folder, makes=shapes, files={"manifest": f"{folder}/manifest.json"})
 
     def block_path(self, spec: BlockSpec) -> str:
         """Coefficients of a block of frequencies."""
@@ -477,7 +478,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
         if self.study.uses_panels:
             yield self.green
         meshes = {
-            content_id(one.mesh): task("mesh", one.mesh, f"{self.root}/hydro/mesh/{ID}/mean.nc", on_the_way=True)
+            content_id(one.mesh): Task.of("mesh", one.mesh, f"{self.root}/hydro/mesh/{ID}/mean.nc", on_the_way=True)
             for one in every
             if isinstance(one, PanelsSpec)
         }
@@ -487,9 +488,9 @@ class StudyPlan(HydroPlan, ResultsPlan):
             if isinstance(block, PanelsSpec):
                 read, files = {"mesh": meshes[content_id(block.mesh)]}, {"green": self.green.files["folder"]}
                 needs = (self.green.out,)
-                yield task("panels", block, out, read, files=files, needs=needs, on_the_way=True, seconds=seconds)
+                yield Task.of("panels", block, out, read, files=files, needs=needs, on_the_way=True, seconds=seconds)
             else:
-                yield task("spectral", block, out, on_the_way=True, seconds=seconds)
+                yield Task.of("spectral", block, out, on_the_way=True, seconds=seconds)
 
     @cached_property
     def deformed(self) -> Task | None:
@@ -498,7 +499,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
             return None
         spec, folder = witness_spec(self).meshes, f"{self.root}/hydro/mesh/{ID}"
         meshes = [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(spec.deformed))]
-        return task("deformed", spec, folder, makes=meshes)
+        return Task.of("deformed", spec, folder, makes=meshes)
 
     @cached_property
     def witness(self) -> Task | None:
@@ -506,7 +507,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
         if not (deformed := self.deformed):
             return None
         spec, meshes = witness_spec(self), deformed.makes
-        return task(
+        return Task.of(
             "witness", spec, f"{self.root}/hydro/witness/{ID}.nc", files={"meshes": deformed.files["out"]},
             needs=meshes, seconds=costs.witness_seconds(len(meshes), spec),
         )  # fmt: skip
@@ -527,7 +528,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
         )
         blocks = f"{self.root}/hydro/blocks"
         needs = [f"{blocks}/{name}.nc" for name in self.bem_blocks]
-        return task("database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs)
+        return Task.of("database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs)
 
     def _water(self) -> Iterator[Task]:
         """Yield shell modes and viewable meshes; coefficients of the water, their cross-check and the database."""
@@ -580,7 +581,7 @@ class BodyPlan(ResultsPlan):
             solver=panel_solver() if solved else "",
             solved=PHYSICS if solved else 0,
         )
-        return task("coefficients", spec, database_path(self.root, ID), files=self.sources, needs=self.inputs)
+        return Task.of("coefficients", spec, database_path(self.root, ID), files=self.sources, needs=self.inputs)
 
     def solved_database(self, apart: Sequence[Task] = ()) -> Task:
         """Return the same with what it takes, beside which frequencies are solved apart."""

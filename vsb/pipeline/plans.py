@@ -22,7 +22,7 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id
 from vsb.keys.reading import read_yaml
 from vsb.pipeline import costs
-from vsb.pipeline.graph import ID, BodyPlan, Graph, StudyPlan, Task, plan_for, task
+from vsb.pipeline.graph import ID, BodyPlan, Graph, StudyPlan, Task, plan_for
 from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy, is_body, located
 from vsb.study.campaign import (
@@ -322,7 +322,7 @@ class CampaignPlan(Graph):
         memories = [one.radiation.out for one in self.bodies]
         found = [self._verification(one) for one in self.members] if self.loaded.campaign.verify else []
         made = [
-            task(
+            Task.of(
                 "verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._read, needs=memories,
                 seconds=costs.verification_seconds(spec), megabytes=2000, minutes=240,
             )
@@ -365,7 +365,7 @@ class CampaignPlan(Graph):
         )
         files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "manifest": self.manifest}
         table, before = f"{folder}/campaign.csv", (*self.batches.values(), *self.verifications.values())
-        return task(
+        return Task.of(
             "campaign", spec, self.data_path, files=files | {"table": table}, makes=(self.data_path, table),
             needs=[one.out for one in before], seconds=0.3 + 1e-3 * members, megabytes=2000 + self._megabytes(members),
         )  # fmt: skip
@@ -376,7 +376,7 @@ class CampaignPlan(Graph):
         whole, report = self.campaign, f"{self.folder}/report.html"
         figures = figure_names.paths(self.folder, figure_names.of_campaign(whole.spec))
         files = {**self._read, "figures": f"{self.folder}/figures", "manifest": self.manifest}
-        return task(
+        return Task.of(
             "campaign_report", whole.spec, report, {"data": whole}, files=files, makes=(report, *figures),
             seconds=3.0 + 1e-3 * len(self.members), megabytes=whole.megabytes,
         )  # fmt: skip
@@ -498,7 +498,7 @@ class DesignPlan(Graph):
             for i in range(problem.starts if search.variables else 1)
         )
         out, read = f"{self.folder}/starts/{ID}.nc", self._climate_file
-        found = [task("design_start", spec, out, files=read, seconds=seconds, minutes=120) for spec in specs]
+        found = [Task.of("design_start", spec, out, files=read, seconds=seconds, minutes=120) for spec in specs]
         return {one.id: one for one in found}
 
     @cached_property
@@ -524,7 +524,7 @@ class DesignPlan(Graph):
             for search, starts in ((self.flexible, self.starts), (self.rigid, self.rigid_starts)):
                 spec = DesignFrontSpec(search=search, limit=limit, values=values, starts=tuple(starts))
                 found.append(
-                    task(
+                    Task.of(
                         "design_front", spec, f"{self.folder}/fronts/{ID}.nc", files=self._begun,
                         needs=[one.out for one in starts.values()], seconds=costs.START_SECONDS, minutes=240,
                     )
@@ -545,7 +545,7 @@ class DesignPlan(Graph):
             starts=tuple(self.starts),
             rigid_starts=tuple(self.rigid_starts),
         )
-        return task(
+        return Task.of(
             "design_verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._begun | {"root": self.root},
             needs=[one.out for one in self.all_starts], seconds=60.0, minutes=600, megabytes=2000,
         )  # fmt: skip
@@ -583,7 +583,7 @@ class DesignPlan(Graph):
         spec, report = self.design.spec, f"{self.folder}/report.html"
         figures = figure_names.paths(self.folder, figure_names.of_design(spec))
         files = {"data": self.data_path, "figures": f"{self.folder}/figures", "manifest": self.manifest}
-        return task(
+        return Task.of(
             "design_report", spec, report, files=files, makes=(report, *figures), needs=(self.data_path,),
             seconds=3.0, megabytes=2000,
         )  # fmt: skip
