@@ -90,7 +90,7 @@ def test_results_are_tables_series_and_scenes(results):
     assert results.response.attrs["take_off"] == "best_damping at each frequency"
     assert np.isnan(levels["rigid", "best_damper"]["gap"])
     assert results.report.is_file()
-    assert vsb.open_database(results.plan.database.out).identical(results.database)
+    assert vsb.open_database(results.plan.database_path).identical(results.database)
 
 
 def test_second_run_remakes_only_what_is_lost(results):

@@ -175,12 +175,12 @@ def test_memory_bounds_what_was_measured(seed):
     asked = {}
     for duration in (60.0, 16e3, 1e5):
         plan = StudyPlan(varied(seed, simulation={"duration": duration, "window": (0.0, duration)}))
-        asked[duration] = plan.simulation_megabytes(plan.study.waves[0])
+        asked[duration] = plan.simulation("VSWEC", plan.study.waves[0]).megabytes
     assert 600 < asked[60.0] < 1000
     assert 700 < asked[16e3] < 1400
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
-    assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
+    assert 2900 < StudyPlan(irregular).simulation("VSWEC", irregular.waves[0]).megabytes < 2 * 2900
 
 
 @pytest.mark.parametrize("solver", ["spectral", "panels"])

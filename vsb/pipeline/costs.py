@@ -1,4 +1,4 @@
-"""CPU time of tasks, measured, and whether they fit into memory.
+"""CPU time and memory of tasks, measured, and whether they fit into this machine.
 
 Seconds are of one core of a desktop machine that does nothing else; on a busy one a core does half as much in a second.
 """
@@ -9,8 +9,9 @@ import psutil
 
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
+from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
 from vsb.engine.motion.take_off import SeveralPorts
-from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
+from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
 from vsb.study.campaign import CAUSAL
 from vsb.study.resolution import BlockSpec
 from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
@@ -168,3 +169,22 @@ def verification_seconds(spec: VerificationSpec) -> float:
     if spec.buoy and spec.verify.model == "body_exact":
         designs = sum(_of_wall(spec.buoy, flexible=one.flexible) for one in spec.buoy.designs.values())
     return MEMORY_SECONDS + each * designs + CAUSAL_YEAR_SECONDS * controlled * len(spec.designs)
+
+
+def record_megabytes(study: BaseStudy, wave: Wave, coordinates: int) -> int:
+    """Return the memory of the time series of a design in a sea [MB]: nine of every coordinate, ten others."""
+    instants = int(RECORDS_PER_PERIOD * study.fastest(wave) * study.simulation.duration / (2 * math.pi))
+    return math.ceil(8e-6 * (9 * coordinates + 10) * instants / thinning(instants + 1))
+
+
+def run_megabytes(study: BaseStudy, wave: Wave, coordinates: int, highest: float) -> int:
+    """Return the memory of a run in a sea [MB]: three times its record, one leg, the sea's components to `highest`."""
+    band = highest if isinstance(wave, IrregularSea) else 0.0
+    length = wave.file.length if isinstance(wave, RecordedSea) else study.simulation.duration
+    return 800 + 3 * record_megabytes(study, wave, coordinates) + math.ceil(6e-4 * band * length)
+
+
+def study_megabytes(study: BaseStudy, coordinates: int) -> int:
+    """Return the memory of the time series of all designs in a sea at once [MB], and of drawing them."""
+    largest = max(record_megabytes(study, wave, coordinates) for wave in study.waves)
+    return 800 + math.ceil(1.2 * len(study.designs) * largest)

@@ -14,8 +14,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
 from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
 from vsb.engine.hydro.panel_solver import panel_solver
-from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
-from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, Wave
+from vsb.engine.waves.kinds import RegularWave, Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
@@ -250,6 +249,11 @@ class ResultsPlan(Graph):
     def database(self) -> Task:
         """The hydro database."""
 
+    @property
+    def database_path(self) -> str:
+        """Path of the hydro database, as `vsb.open_database` takes it."""
+        return self.database.out
+
     @abstractmethod
     def system(self, *names: str, **changed: Any) -> AnySystem:
         """What floats, as a stage reads it: sections beyond those of every stage by name, others changed."""
@@ -348,25 +352,13 @@ class ResultsPlan(Graph):
         )
         solved, out = self._hydro, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
         seconds = costs.run_seconds(study, wave, flexible=study.designs[design].flexible)
-        memory = self.simulation_megabytes(wave)
+        memory = costs.run_megabytes(study, wave, self.coordinates, self.highest)
         return Task.of("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
 
     @cached_property
     def runs(self) -> tuple[Task, ...]:
         """One run in time per design and sea."""
         return tuple(self.simulation(design, wave) for wave in self.study.waves for design in self.study.designs)
-
-    def record_megabytes(self, wave: Wave) -> int:
-        """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
-        duration = self.study.simulation.duration
-        instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
-        return math.ceil(8e-6 * (9 * self.coordinates + 10) * instants / thinning(instants + 1))
-
-    def simulation_megabytes(self, wave: Wave) -> int:
-        """Memory of a run in a sea [MB]: three times its record, one leg, and the components of the sea."""
-        band = self.highest if isinstance(wave, IrregularSea) else 0.0
-        length = wave.file.length if isinstance(wave, RecordedSea) else self.study.simulation.duration
-        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * length)
 
     # tables, figures, report ----------------------------------------------------------------------------------------
 
@@ -391,7 +383,7 @@ class ResultsPlan(Graph):
         once, each = costs.COMPARED_SECONDS
         return Task.of(
             "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
-            seconds=once + each * len(self.runs), megabytes=self._study_megabytes,
+            seconds=once + each * len(self.runs), megabytes=costs.study_megabytes(self.study, self.coordinates),
         )  # fmt: skip
 
     @property
@@ -409,7 +401,7 @@ class ResultsPlan(Graph):
     def _answers(self) -> Iterator[Task]:
         """Yield tables, figures, report."""
         yield (compared := self.compare)
-        folder, whole, memory = self.folder, self.identity, self._study_megabytes
+        folder, whole, memory = self.folder, self.identity, costs.study_megabytes(self.study, self.coordinates)
         modes = {"modes": self.modes.out} if self.modes else {}
         files, figures = self._read | modes, tuple(figure_names.paths(folder, figure_names.of_study(self.study)))
         needs = (*(one.out for one in (*self.solved.values(), *self.runs)), *modes.values())
@@ -420,12 +412,6 @@ class ResultsPlan(Graph):
         once, each = costs.REPORTED_SECONDS
         needs, seconds = (*needs, tables, *figures), once + each * len(self.runs)
         yield Task("report", self.study, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
-
-    @property
-    def _study_megabytes(self) -> int:
-        """Memory of the time series of all designs in a sea at once [MB], and of drawing them."""
-        largest = max(self.record_megabytes(wave) for wave in self.study.waves)
-        return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
 
     @property
     def identity(self) -> str:

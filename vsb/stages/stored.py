@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import xarray as xr
@@ -82,32 +81,34 @@ class Inputs:
         """Time series by design and sea."""
         return StoredRuns(self.study, self.trajectories)
 
+    def _read(self, name: str) -> xr.Dataset:
+        """A file by its name, of the id of its task; empty where the study has none."""
+        if not (task := {**self.plan.solved, "modes": self.plan.modes}.get(name)):
+            return xr.Dataset()
+        path = self.path(name)
+        return load_database(path, task.id) if name == "database" else load(path, expected=task.id)
+
     @cached_property
     def modes(self) -> xr.Dataset:
         """Shapes of the shell modes."""
-        modes = self.plan.modes
-        return load(self.path("modes"), expected=modes.id) if modes else xr.Dataset()
+        return self._read("modes")
 
     @cached_property
     def database(self) -> xr.Dataset:
         """The hydro database."""
-        path = self.path("database")
-        return load_database(path, Path(path).stem) if self.study.needs_bem else xr.Dataset()
+        return self._read("database")
 
     @cached_property
     def radiation(self) -> xr.Dataset:
         """The radiation model."""
-        path = self.path("radiation")
-        return load(path, expected=Path(path).stem) if self.study.needs_bem else xr.Dataset()
+        return self._read("radiation")
 
     @cached_property
     def response(self) -> xr.Dataset:
         """The frequency response."""
-        needed = self.study.needs_bem
-        return load(self.path("response"), expected=self.plan.response.id) if needed else xr.Dataset()
+        return self._read("response")
 
     @cached_property
     def witness(self) -> xr.Dataset:
         """What two solvers say of the same shapes."""
-        path = self.path("witness")
-        return load(path, expected=Path(path).stem) if self.plan.witness else xr.Dataset()
+        return self._read("witness")
