@@ -267,27 +267,25 @@ def ended(prefix: str) -> Iterator[None]:
 
 
 def _profile(name: str) -> tuple[Path, dict[str, Any]]:
-    """Folder of a profile, of the package by name, of the user's own by a path with a separator; what it says."""
+    """Folder of a profile, of the package by name, of the user's own by a path with a separator; what it says.
+
+    What it hands jobs to must be installed: Snakemake would answer with pages.
+    """
     own = os.sep in name
     folder = Path(name) if own else HOME / "profiles" / name
-    if not (folder / "config.yaml").is_file():
+    if not (profile := folder / "config.yaml").is_file():
         known = ", ".join(sorted(path.parent.name for path in (HOME / "profiles").glob("*/config.yaml")))
         raise VsbError(
             f"--profile: received {name}, needs {known}, or the path of a folder of your own (./{Path(name).name}) "
             "with a config.yaml"
         )
-    return folder, _settings(folder / "config.yaml")
-
-
-def _settings(profile: Path) -> dict[str, Any]:
-    """What a profile says, what it hands jobs to checked to be installed: Snakemake would answer with pages."""
     read = read_yaml(profile, "a profile of snakemake")
     given = read if isinstance(read, dict) else {}
-    name = str(given.get("executor", "local"))
-    if name != "local" and not find_spec(f"snakemake_executor_plugin_{name.replace('-', '_')}"):
-        package = f"snakemake-executor-plugin-{name}"
-        raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {package}")
-    return given
+    executor = str(given.get("executor", "local"))
+    if executor != "local" and not find_spec(f"snakemake_executor_plugin_{executor.replace('-', '_')}"):
+        package = f"snakemake-executor-plugin-{executor}"
+        raise VsbError(f"{profile}: executor: received {executor}, which is not installed; needs pip install {package}")
+    return folder, given
 
 
 FORCED = re.compile(r"(-R|--forcer(?:un?)?)(?:=?(.+))?")

@@ -135,24 +135,16 @@ def compare(configs: Sequence[str], out: str | None) -> str:
     kind = None if out is None else Path(out).suffix
     if kind not in (None, ".csv", ".html"):
         raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
-    plans = [_compared(config) for config in configs]
+    plans: list[AnyPlan | CampaignPlan] = []
+    for config in configs:
+        if isinstance(plan := plan_of(config), DesignPlan):
+            received = f"{config}: received a design problem"
+            raise ConfigError(f"{received}, needs a study or campaign, such as its optimum.yaml")
+        plans.append(plan)
     found = lines(plans)
     missing = left_out(plans, found)
     if out is not None:
-        reports = _reports(plans, Path(out).parent)
+        pages = {one.name: Path(os.path.relpath(f"{one.folder}/report.html", Path(out).parent)) for one in plans}
+        reports = {one.name: (pages[one.name].as_posix(), one.identity) for one in plans}
         write_text(out, as_csv(found) if kind == ".csv" else as_page(found, reports, missing))
     return "\n".join([as_text(found), *missing])
-
-
-def _compared(config: str) -> AnyPlan | CampaignPlan:
-    """The plan of a study or campaign; a design problem has no designs of its own."""
-    plan = plan_of(config)
-    if isinstance(plan, DesignPlan):
-        raise ConfigError(f"{config}: received a design problem, needs a study or campaign, such as its optimum.yaml")
-    return plan
-
-
-def _reports(plans: Sequence[AnyPlan | CampaignPlan], folder: Path) -> dict[str, tuple[str, str]]:
-    """Report of every plan, as seen from a folder, and its content id, by name."""
-    paths = [Path(os.path.relpath(f"{plan.folder}/report.html", folder)).as_posix() for plan in plans]
-    return {plan.name: (path, plan.identity) for plan, path in zip(plans, paths, strict=True)}

@@ -148,16 +148,11 @@ def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
         for name in sorted(set(map(id_in, paths))):  # in one order: nobody waits in a circle
             folder.mkdir(parents=True, exist_ok=True)
             handle = stack.enter_context((folder / name).open("w"))
-            _wait(handle.fileno(), name)
+            if not files.wait(handle.fileno(), PATIENCE):
+                print(f"vsb: waiting for another run or task that makes {name}", file=sys.stderr, flush=True)
+                files.wait(handle.fileno())
             handles.append(handle.fileno())
         yield handles
-
-
-def _wait(handle: int, name: str) -> None:
-    """Take a lock; if it is another's for long, say so."""
-    if not files.wait(handle, PATIENCE):
-        print(f"vsb: waiting for another run or task that makes {name}", file=sys.stderr, flush=True)
-        files.wait(handle)
 
 
 # tasks side by side, by processes forked from this one, which has imported what they compute with ---------------------

@@ -216,8 +216,13 @@ def read_vary(raw: object) -> Vary:
     if not isinstance(raw, Mapping):
         raise ValueError(f"received {raw!r}, needs keys of the study, each with {_FORMS}")
     keys = {str(key): value for key, value in raw.items() if key not in ("pairs", "latin_hypercube")}
-    for key in keys:
-        _check_key(key)
+    within = [name for name in SECTIONS if name != "reference_shape"]
+    for key in keys:  # whether the study has it shows when it is set
+        section, dot, _ = key.partition(".")
+        if key not in (SCALE, "reference_shape") and not (dot and section in within):
+            raise ValueError(
+                f"{shortened(key)}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass"
+            )
     if "latin_hypercube" in raw:
         return _hypercube(keys, raw["latin_hypercube"], raw.get("pairs", False))
     if (pairs := raw.get("pairs", False)) not in (True, False):
@@ -230,17 +235,6 @@ def read_vary(raw: object) -> Vary:
     if points > MOST_POINTS:
         raise ValueError(f"received {points} points, needs at most {MOST_POINTS}; make several campaigns of more")
     return Vary.of(values, together=pairs)
-
-
-def _check_key(key: str) -> None:
-    """Check that a key can be varied; whether the study has it shows when it is set."""
-    section, dot, _ = key.partition(".")
-    within = [name for name in SECTIONS if name != "reference_shape"]
-    if key in (SCALE, "reference_shape") or (dot and section in within):
-        return
-    raise ValueError(
-        f"{shortened(key)}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass"
-    )
 
 
 def _values(key: str, raw: object) -> tuple[Value, ...]:
