@@ -276,7 +276,7 @@ class ResultsPlan(Graph):
         yield from self._water()
         if self.study.needs_bem:
             yield from (self.radiation, self.response, self.ladder)
-        yield from self.runs
+        yield from self.runs.values()
         yield from self._answers()
 
     @property
@@ -356,9 +356,10 @@ class ResultsPlan(Graph):
         return Task.of("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
 
     @cached_property
-    def runs(self) -> tuple[Task, ...]:
-        """One run in time per design and sea."""
-        return tuple(self.simulation(design, wave) for wave in self.study.waves for design in self.study.designs)
+    def runs(self) -> dict[tuple[str, str], Task]:
+        """Runs in time by design and label of the sea."""
+        study = self.study
+        return {(design, wave.label): self.simulation(design, wave) for wave in study.waves for design in study.designs}
 
     # tables, figures, report ----------------------------------------------------------------------------------------
 
@@ -367,7 +368,7 @@ class ResultsPlan(Graph):
         """The comparison of the whole study, whose id all have that is made of all results; designs in any order."""
         study, folder, solved = self.study, self.folder, self._hydro
         levels = (self.response, self.ladder) if study.needs_bem else ()
-        ordered = [self.simulation(design, wave) for wave in study.waves for design in sorted(study.designs)]
+        ordered = [self.runs[design, wave.label] for wave in study.waves for design in sorted(study.designs)]
         stamps = [one for one in (self.modes, *solved.values(), self.witness, *levels, *ordered) if one]
         files = self._read | {
             "statistics": f"{folder}/statistics.csv",
@@ -375,7 +376,7 @@ class ResultsPlan(Graph):
             "study": f"{folder}/study.json",
             "tables": f"{folder}/tables.json",
         }
-        needs, out = [one.out for one in (*self.solved.values(), *self.runs)], f"{folder}/comparison.csv"
+        needs, out = [one.out for one in (*self.solved.values(), *self.runs.values())], f"{folder}/comparison.csv"
         if study.needs_bem:
             files["levels"] = self.ladder.files["levels"]
             needs.append(files["levels"])
@@ -404,7 +405,7 @@ class ResultsPlan(Graph):
         folder, whole, memory = self.folder, self.identity, costs.study_megabytes(self.study, self.coordinates)
         modes = {"modes": self.modes.out} if self.modes else {}
         files, figures = self._read | modes, tuple(figure_names.paths(folder, figure_names.of_study(self.study)))
-        needs = (*(one.out for one in (*self.solved.values(), *self.runs)), *modes.values())
+        needs = (*(one.out for one in (*self.solved.values(), *self.runs.values())), *modes.values())
         seconds, drawn = costs.FIGURE_SECONDS * len(figures), files | {"out": f"{folder}/figures"}
         yield Task("figures", self.study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
         report, tables = f"{folder}/report.html", compared.files["tables"]

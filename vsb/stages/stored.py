@@ -48,8 +48,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
     @cached_property
     def _ids(self) -> dict[tuple[str, str], str]:
         """Content id of every run, sea by sea."""
-        study, plan = self.study, plan_for(self.study)
-        return {(d, wave.label): plan.simulation(d, wave).id for wave in study.waves for d in study.designs}
+        return {run: task.id for run, task in plan_for(self.study).runs.items()}
 
     def _path(self, design: str, wave: str) -> str:
         """File of a run."""
