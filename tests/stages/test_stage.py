@@ -84,7 +84,8 @@ def test_a_task_that_is_killed_is_reported():
 def test_no_process_outlives_the_run(tmp_path, how):
     """A killed run and an interrupted one leave nothing at work behind."""
     program = f"""
-import os, pathlib, time
+import os, pathlib, signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what runs behind a shell
 from vsb.pipeline.graph import Task
 from vsb.stages.stage import run_side_by_side
 def work(task):
