@@ -322,7 +322,7 @@ SITES: Mapping[str, dict[str, Any]] = {
     "short waves": {"scatter": "config/climate/short_waves.csv", "spectrum": "jonswap"},
 }
 CONTROL_NAMES = {"one": "damper", "causal": "control"}
-AT_SITES = (("short waves", "one"), ("short waves", "causal"))
+AT_SITES = tuple((site, tuning) for site in SITES for tuning in CONTROL_NAMES)
 SITE_FORCES = (5, 10, 20)
 """Climates of the sites compared, names of take-offs by `tuning`, what is compared, and limits of force [kN]."""
 
