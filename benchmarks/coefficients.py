@@ -26,11 +26,11 @@ import xarray as xr
 
 from benchmarks.measure import Row, as_csv, say
 from vsb.engine.hydro.dofs import Displacement
-from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels import bem
 from vsb.engine.hydro.panels.mesh import mean_mesh
+from vsb.engine.hydro.panels.rings import AxisymmetricProblem
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import rigid_sphere
-from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 
 COLUMNS = (
@@ -53,13 +53,14 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 NODES = (8, 12, 16, 24, 32)
 
 
-class FlatPanels(bem.AxisymmetricProblem):
+class FlatPanels(AxisymmetricProblem):
     """Rings with capytaine's own diagonal."""
 
-    @property
-    def correction(self) -> FloatArray:
-        """Nothing."""
-        return np.zeros(self.body.rows)
+    def rings(self, with_lid: bool) -> bem.SymmetricPanels:
+        """Return rings without correction."""
+        found = super().rings(with_lid)
+        vars(found)["correction"] = np.zeros(found.part.nb_faces)
+        return found
 
 
 Solve = Callable[[int, str, list[float]], xr.Dataset]
@@ -70,13 +71,13 @@ _green = cache(bem.green_function)
 """The Green function of a folder; its table is read once, and neither its seconds nor its memory are a method's."""
 
 
-def _rings(kind: type[bem.AxisymmetricProblem], rows: int, green: str) -> bem.AxisymmetricProblem:
+def _rings(kind: type[AxisymmetricProblem], rows: int, green: str) -> AxisymmetricProblem:
     """Hemisphere of `rows` rows and twice as many panels around, no lid."""
     mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, 0)
     return kind(_green(green), mesh, DISPLACEMENTS, 1.0, np.inf, 1.0)
 
 
-def _by_rings(kind: type[bem.AxisymmetricProblem], rows: int, green: str, omegas: list[float]) -> xr.Dataset:
+def _by_rings(kind: type[AxisymmetricProblem], rows: int, green: str, omegas: list[float]) -> xr.Dataset:
     """One system of a row's unknowns each."""
     return _rings(kind, rows, green).solve(omegas)
 
@@ -87,8 +88,8 @@ def _by_capytaine(symmetry: str, rows: int, green: str, omegas: list[float]) -> 
     The attribute seconds is of matrices, linear systems and products alone, by capytaine's own timer.
     """
     problem = _rings(FlatPanels, rows, green)
-    azimuth = problem.body.azimuth
-    wedges = [problem.body.wedge.rotated_z(2 * np.pi * (i + 0.5) / azimuth) for i in range(azimuth)]
+    azimuth = int(problem.mesh.attrs["azimuth"])
+    wedges = [problem.body.part.rotated_z(2 * np.pi * (i + 0.5) / azimuth) for i in range(azimuth)]
     mesh: Any = bem.joined(wedges[: azimuth // 4] if symmetry == "planes" else wedges)
     if symmetry == "planes":
         mesh = cpt.ReflectionSymmetricMesh(cpt.ReflectionSymmetricMesh(mesh, plane="yOz"), plane="xOz")
@@ -139,7 +140,7 @@ METHODS: Mapping[str, Method] = {
     "capytaine, two planes": Method(partial(_by_capytaine, "planes"), (20,), lambda rows: 4),
     ROTATION: Method(partial(_by_capytaine, "rotation"), (10, 20, 40, 80), lambda rows: 2 * rows),
     "rings": Method(partial(_by_rings, FlatPanels), (20, 80)),
-    CORRECTED: Method(partial(_by_rings, bem.AxisymmetricProblem), (10, 20, 40, 80)),
+    CORRECTED: Method(partial(_by_rings, AxisymmetricProblem), (10, 20, 40, 80)),
     SPECTRAL: Method(_by_spectral, NODES),
 }
 

@@ -23,8 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from examples import paper_rotations as multibody
 from vsb.engine.hydro.database import load_database
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.hydro.radiation import DampingSpectrum, fit_radiation
 from vsb.engine.integrators.audit import energies, residual
 from vsb.engine.integrators.exact import convolve, propagate
 from vsb.engine.integrators.exponential import integrate

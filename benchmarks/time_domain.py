@@ -21,8 +21,7 @@ from scipy.integrate import simpson
 from benchmarks.compiled_solvers import COMPILED_DOP853, RK4
 from benchmarks.general_solvers import SCIPY, SUNDIALS, Equation, Solution, best, solved
 from benchmarks.measure import Row, as_csv, say
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import RadiationModel, truncated
+from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, truncated
 from vsb.engine.integrators.exact import convolve, propagate
 from vsb.engine.integrators.exponential import integrate
 from vsb.engine.integrators.harmonic_balance import steady_power

@@ -24,8 +24,8 @@ from examples import command
 from vsb.cli import print_verdict
 from vsb.engine.hydro.bodies.body import FlexibleBody
 from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import write_body
 from vsb.engine.hydro.bodies.families import free_free_root, free_free_shape
-from vsb.engine.hydro.bodies.files import write_body
 from vsb.engine.hydro.bodies.mesh import at_centres, joined
 from vsb.engine.hydro.bodies.solution import read_config, run, solve
 from vsb.engine.hydro.database import Check, stored_checks

@@ -28,8 +28,7 @@ import vsb
 from examples import command
 from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, chosen, regular, study_of, table
 from vsb.engine.hydro.bodies.body_file import RoundPlate
-from vsb.engine.hydro.bodies.families import free_free_shape
-from vsb.engine.hydro.bodies.plates import plate_modes
+from vsb.engine.hydro.bodies.families import free_free_shape, plate_modes
 from vsb.engine.hydro.orders import order_groups
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.motion.damper_matrix import best_matrix

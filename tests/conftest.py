@@ -20,11 +20,9 @@ import vsb
 from vsb.api.results import Results
 from vsb.cli import main
 from vsb.engine.hydro import database
-from vsb.engine.hydro.panels import rings as bem
-from vsb.engine.hydro.panels import sweep as panelsweep
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.panels import bem
+from vsb.engine.hydro.radiation import DampingSpectrum, fit_radiation
 from vsb.engine.hydro.spectral import solver as spectralsolver
-from vsb.engine.hydro.statespace import fit_radiation
 from vsb.engine.integrators.audit import START, energies
 from vsb.engine.integrators.simulate import Leg, recorded
 from vsb.engine.motion.forces import Spring
@@ -34,7 +32,7 @@ from vsb.keys.quantities import canonical
 from vsb.models.rest import reference_shell, study_basis
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
-from vsb.stages.panels import mean_mesh
+from vsb.stages.panels import mean_mesh, solve_block
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
 from vsb.study.specs import SpectralSpec
@@ -224,7 +222,7 @@ def solved_block(spec, green_folder):
     """One BEM job, by the solver its spec names."""
     if isinstance(spec, SpectralSpec):
         return spectralsolver.converged(spectral_problem(spec), list(spec.omega), spec.tolerance)
-    return panelsweep.solve_block(spec, mean_mesh(spec.mesh), mean_mesh(spec.mesh, coarser=2), green_folder)
+    return solve_block(spec, mean_mesh(spec.mesh), mean_mesh(spec.mesh, coarser=2), green_folder)
 
 
 @pytest.fixture(scope="session")

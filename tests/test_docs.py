@@ -18,7 +18,7 @@ import vsb
 from vsb.cli import main, parser
 from vsb.engine.hydro.bodies.body import detected_symmetry
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.build import read_body
 from vsb.engine.hydro.bodies.hydrostatics import linear_share
 from vsb.engine.hydro.bodies.solution import read_config
 from vsb.engine.hydro.panels.mesh import revolved

@@ -8,9 +8,8 @@ from scipy.integrate import quad
 from scipy.special import roots_legendre
 
 from examples import barge
-from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.build import build_body, read_body
 from vsb.engine.hydro.bodies.families import free_free_root, free_free_shape
-from vsb.engine.hydro.bodies.files import read_body
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.study.body import load_body
 from vsb.tools.files import load

@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 
 import vsb
 from examples import claims, surprises
-from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.build import read_body
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.study.study import load, parse
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsb.engine.hydro import variables
 from vsb.engine.hydro.dofs import (
     Displacement,
     bessel,
@@ -87,3 +88,14 @@ def test_components_add_up_to_the_plane_wave(kr, theta):
     """Jacobi and Anger's expansion of exp(i k R cos theta)."""
     parts = [multiplicity(m) * 1j**m * bessel(m, np.array(kr))[0] * np.cos(m * theta) for m in range(50)]
     assert sum(parts) == pytest.approx(np.exp(1j * kr * np.cos(theta)), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("label", "body", "motion", "rigid"),
+    [("Heave", "", "Heave", True), ("float__Heave", "float", "Heave", True), ("Mode7", "", "Mode7", False),
+     ("left__float__Pitch", "left__float", "Pitch", True), ("Heave__Mode7", "Heave", "Mode7", False)],
+)  # fmt: skip
+def test_labels_of_motions_of_several_bodies(label, body, motion, rigid):
+    """A body's name may be two words, or that of a motion."""
+    assert (variables.body_of(label), variables.motion_of(label)) == (body, motion)
+    assert variables.is_rigid(label) is rigid

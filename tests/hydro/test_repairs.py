@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.hydro.repairs import (
     PAIR,
     repaired,
@@ -12,7 +13,6 @@ from vsb.engine.hydro.repairs import (
     with_passive_damping,
     with_symmetric_stiffness,
 )
-from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.errors import ConfigError
 
 LABELS = ["Heave", "Pitch"]

@@ -6,7 +6,7 @@ import pytest
 from vsb.engine.hydro import witness
 from vsb.engine.hydro.database import displacements_of, in_modes, with_excitation
 from vsb.engine.hydro.panels.mesh import deformed_mesh
-from vsb.engine.hydro.panels.sweep import witness_runs
+from vsb.engine.hydro.panels.rings import witness_runs
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.hydro.witness import Waves, deformed_shapes
 from vsb.engine.shell.deformed import DeformedShell

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.engine.hydro import database
-from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.hydro.radiation import RadiationModel, fit_radiation
 from vsb.engine.integrators import settings as run_settings
 from vsb.engine.integrators.audit import TERMS, energies, flow, residual
 from vsb.engine.integrators.exact import propagate

@@ -14,9 +14,8 @@ from scipy.optimize import brentq
 
 from vsb.engine.hydro import database
 from vsb.engine.hydro.dofs import Displacement
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum, fit_radiation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.hydro.statespace import fit_radiation
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.integrators.exponential import integrate
 from vsb.engine.motion.builders import body_exact_scene, linear_scene

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.hydro.radiation import RadiationModel, fit_radiation
 from vsb.engine.integrators.audit import energies, residual
 from vsb.engine.integrators.exact import convolve, propagate, steady_state, transition
 from vsb.engine.integrators.harmonic_balance import harmonic_balance

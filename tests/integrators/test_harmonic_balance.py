@@ -7,7 +7,7 @@ import pytest
 from conftest import HERE, solved_block, varied
 
 from vsb.engine.hydro import database
-from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.hydro.radiation import fit_radiation
 from vsb.engine.integrators import harmonic_balance as harmonic
 from vsb.engine.integrators.exact import steady_state
 from vsb.engine.integrators.exponential import integrate

@@ -9,8 +9,7 @@ import xarray as xr
 from conftest import SEED, varied
 from scipy.interpolate import CubicSpline
 
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.hydro.radiation import DampingSpectrum, fit_radiation
 from vsb.engine.integrators.audit import TERMS, absorbed_power, energies, residual
 from vsb.engine.integrators.harmonic_balance import harmonic_balance
 from vsb.engine.integrators.simulate import METHODS

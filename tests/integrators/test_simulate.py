@@ -7,7 +7,7 @@ import pytest
 from conftest import EXAMPLE, only_run, varied
 from motion.test_builders import buoy_of
 
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.integrators.audit import energies, residual
 from vsb.engine.integrators.exponential import phi_integrals
 from vsb.engine.integrators.harmonic_balance import harmonic_balance

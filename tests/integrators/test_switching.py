@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.integrators.audit import absorbed_power, energies, residual
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.integrators.exponential import integrate

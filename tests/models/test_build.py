@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import only_run, varied
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.waves.seas import Sea
 from vsb.errors import DatabaseError
 from vsb.models.build import SCENES, Memory, check_followed

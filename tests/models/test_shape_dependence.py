@@ -199,7 +199,7 @@ def test_interrupted_run_is_resumed(coarsely, tmp_path, monkeypatch):
     assert len(solved) == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "a.svg"]
     assert "size of the deformation" in (tmp_path / "a.svg").read_text()
-    assert ShapeDatabase.load(out[0]).labels == ["Heave"]
+    assert ShapeDatabase(files.load(out[0])).labels == ["Heave"]
     assert answer(files.load(out[0]), study.study) == line
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 from conftest import labelled
 
 from vsb.engine.hydro.database import Check, as_json
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import simulate
 from vsb.engine.motion.builders import linear_scene, together

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from conftest import SEED, varied
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.engine.motion.forces import AssumedPressure
 from vsb.engine.motion.linear import LinearSystem

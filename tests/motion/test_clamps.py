@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.engine.motion.scene import Scene

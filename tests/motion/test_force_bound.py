@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from motion.test_harmonics import buoy
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.integrators.switching import Switching
 from vsb.engine.motion.constrained import constrained_optimum
 from vsb.engine.motion.force_bound import Harmonics, Limits, force_bound, mean_magnitude

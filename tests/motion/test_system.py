@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import EXAMPLE, only_run, varied
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.motion.forces import (
     ConstantForce,
     Damper,

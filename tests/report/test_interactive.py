@@ -11,11 +11,10 @@ import xarray as xr
 from browser import asked, evaluated
 from results.test_year import climate
 
-from vsb.engine.hydro.bodies.body import FlexibleBody
-from vsb.engine.hydro.bodies.hulls import hull_panels
+from vsb.engine.hydro.bodies.body import FlexibleBody, cut
+from vsb.engine.hydro.bodies.body_file import BoxHull, SphereHull
+from vsb.engine.hydro.bodies.build import hull_panels
 from vsb.engine.hydro.bodies.mesh import joined, wetted
-from vsb.engine.hydro.bodies.outline import cut
-from vsb.engine.hydro.bodies.plain_hulls import BoxHull, SphereHull
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers, mean_power
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, jonswap_spectrum

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from results.test_year import WATER, climate, port
 
-from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.hydro.radiation import fit_radiation
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.take_off import Pto

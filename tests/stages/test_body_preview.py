@@ -11,14 +11,14 @@ import xarray as xr
 import yaml
 from conftest import error_line
 from hydro.bodies.test_body import made, rigid
-from hydro.bodies.test_refinement import body_file
+from hydro.bodies.test_solution import body_file
 from stages.test_coefficients import SWELL, as_body
 
 from examples import barge
 from vsb.cli import main
-from vsb.engine.hydro.bodies.files import write_body
+from vsb.engine.hydro.bodies.build import write_body
 from vsb.engine.hydro.database import stored_checks
-from vsb.engine.hydro.panels.rings import quick_green_function
+from vsb.engine.hydro.panels.bem import quick_green_function
 from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.reading import validated

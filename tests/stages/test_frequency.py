@@ -8,8 +8,7 @@ import xarray as xr
 from conftest import varied
 
 from vsb.engine.hydro.database import load_database
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, fit_radiation
 from vsb.engine.motion.frequency import frequency_grid, with_others
 from vsb.engine.motion.port import LinearPto
 from vsb.models.floating_system import floating_system

@@ -10,7 +10,7 @@ from stages.test_members import MODULI, planned, with_seas
 from stages.test_members import run as run_campaign
 
 from examples.barge import Barge
-from vsb.engine.hydro.bodies.files import write_body
+from vsb.engine.hydro.bodies.build import write_body
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.results.budget import MODES
 from vsb.results.ladder import study_ladder

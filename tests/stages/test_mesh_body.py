@@ -14,8 +14,8 @@ import yaml
 import vsb
 from examples.barge import Barge
 from vsb.api.results import Results
-from vsb.engine.hydro.bodies.files import write_body
-from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.bodies.build import write_body
+from vsb.engine.hydro.panels import bem
 from vsb.pipeline.graph import BodyPlan
 from vsb.stages.make import make
 from vsb.study.body import load_body

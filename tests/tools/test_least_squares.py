@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.engine.hydro.statespace import levenberg_marquardt
+from vsb.engine.hydro.radiation import levenberg_marquardt
 
 
 def test_converges_in_rosenbrocks_valley():

@@ -16,7 +16,7 @@ from vsb.api.plots import StudyPlots
 from vsb.api.results import Results
 from vsb.design.evaluation import DAMPER, DesignModel, Quantity
 from vsb.engine.hydro.database import Check
-from vsb.engine.hydro.labels import RIGID
+from vsb.engine.hydro.variables import RIGID
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.water import power_limit

@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
-from vsb.engine.hydro.bodies.outline import OUTLINE
-from vsb.engine.hydro.labels import ROTATIONS, motion_of
+from vsb.engine.hydro.bodies.body import OUTLINE
+from vsb.engine.hydro.variables import ROTATIONS, motion_of
 from vsb.engine.motion.linear import direction_index
 from vsb.errors import ConfigError
 from vsb.models.floating_system import heading, study_sea

@@ -10,7 +10,7 @@ from scipy.linalg import null_space
 from vsb.design.resting import RestingBuoy, Stepped
 from vsb.engine.hydro.database import shares
 from vsb.engine.hydro.dofs import Displacement
-from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
+from vsb.engine.hydro.shape_dependence import shape_derivative
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.motion.port import port_direction
 from vsb.engine.motion.take_off import (

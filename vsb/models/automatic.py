@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.engine.hydro.statespace import RadiationModel, truncated
+from vsb.engine.hydro.radiation import RadiationModel, truncated
 from vsb.engine.integrators.collocation import collocated
 from vsb.engine.integrators.exact import propagate, steady_state
 from vsb.engine.integrators.exponential import integrate

@@ -12,9 +12,8 @@ from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.engine.hydro.database import with_history, with_symmetrized
 from vsb.engine.hydro.formats.checks import sizes
 from vsb.engine.hydro.formats.common import DRY, structure, volume_of
-from vsb.engine.hydro.labels import is_rigid, of_bodies
 from vsb.engine.hydro.repairs import with_symmetric_stiffness
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.variables import PAIR, is_rigid, of_bodies
 from vsb.engine.motion.linear import LinearSystem, linear_body
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError

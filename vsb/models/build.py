@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel
 from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, unit_heave
 from vsb.engine.motion.forces import AssumedPressure
 from vsb.engine.motion.linear import LinearSystem

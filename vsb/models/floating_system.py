@@ -17,8 +17,8 @@ from scipy.linalg import block_diag
 
 from vsb.engine.hydro import database
 from vsb.engine.hydro.dofs import flexible
-from vsb.engine.hydro.labels import is_rigid
 from vsb.engine.hydro.orders import Directions
+from vsb.engine.hydro.variables import is_rigid
 from vsb.engine.motion.coefficient_errors import CoefficientError, coefficient_errors, combined
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.frequency import LinearEquation

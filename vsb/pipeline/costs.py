@@ -7,8 +7,8 @@ import math
 
 import psutil
 
+from vsb.engine.hydro.bodies.body_file import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
 from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave

@@ -11,9 +11,8 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any, ClassVar, NamedTuple, Self
 
-from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
-from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
-from vsb.engine.hydro.panel_solver import panel_solver
+from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile, panel_count, solve_resources
+from vsb.engine.hydro.panels import panel_solver
 from vsb.engine.waves.kinds import RegularWave, Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, is_rigid, motion_of
+from vsb.engine.hydro.variables import RIGID, ROTATIONS, body_of, is_rigid, motion_of
 from vsb.report.answer import useful_band
 from vsb.report.canvas import (
     PORT,

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
-from vsb.engine.hydro.labels import ROTATIONS, is_rigid, motion_of
+from vsb.engine.hydro.variables import ROTATIONS, is_rigid, motion_of
 from vsb.engine.waves.climate import Climate
 from vsb.models.shape_dependence import _CURVES, _EXPANSIONS, NEGLIGIBLE, largest_mode, power_effects, relative_slope
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, period_axis, plain_numbers, style

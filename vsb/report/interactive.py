@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from vsb.engine.hydro.bodies.outline import DISPLACED, OUTLINE
-from vsb.engine.hydro.labels import motion_of
+from vsb.engine.hydro.bodies.body import DISPLACED, OUTLINE
+from vsb.engine.hydro.variables import motion_of
 from vsb.engine.motion.port import Port
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
 from vsb.engine.waves.seas import Sea, superposed

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.engine.hydro.dofs import flexible
-from vsb.engine.hydro.labels import RIGID, is_of_ring
+from vsb.engine.hydro.variables import RIGID, is_of_ring
 from vsb.engine.shell.orders import goes_with_sine
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
 from vsb.study.study import Study

@@ -11,7 +11,7 @@ import xarray as xr
 from vsb.engine.hydro.database import Check, check_at_most
 from vsb.engine.hydro.dofs import flexible
 from vsb.engine.hydro.formats.common import volume_of
-from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, is_of_ring, motion_of
+from vsb.engine.hydro.variables import RIGID, ROTATIONS, body_of, is_of_ring, motion_of
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import CONVOLVED
 from vsb.engine.shell.modes import ModeBasis

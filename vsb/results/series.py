@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from vsb.engine.hydro.labels import ROTATIONS, motion_of
+from vsb.engine.hydro.variables import ROTATIONS, motion_of
 from vsb.tools.variables import kind_of
 from vsb.tools.words import csv_text
 

@@ -12,13 +12,12 @@ from vsb.engine.hydro import database, quality
 from vsb.engine.hydro.bodies.body import FlexibleBody
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.build import build_body
-from vsb.engine.hydro.bodies.refinement import history_of, refined_file
-from vsb.engine.hydro.bodies.solution import check_solvable, cost, solved
+from vsb.engine.hydro.bodies.solution import check_solvable, cost, history_of, refined_file, solved
 from vsb.engine.hydro.bodies.verdict import mesh_checks
 from vsb.engine.hydro.database import Check
 from vsb.engine.hydro.formats.exchange import read_source
-from vsb.engine.hydro.labels import motion_of
 from vsb.engine.hydro.repairs import check_repairable
+from vsb.engine.hydro.variables import motion_of
 from vsb.engine.motion.frequency import allowed_part, compliance
 from vsb.engine.motion.linear import LinearSystem, direction_index
 from vsb.engine.waves.kinds import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
@@ -178,7 +177,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
     count = len(file.omega)
     if not _quick(file, mesh):
         return [f"panels       not tried: {count} frequencies take more than {QUICK:g} s; the run judges them"]
-    from vsb.engine.hydro.panels.rings import quick_green_function  # capytaine
+    from vsb.engine.hydro.panels.bem import quick_green_function  # capytaine
 
     green, smaller = quick_green_function(), list[str]()
     while True:

@@ -99,7 +99,7 @@ def cost_lines(plan: Plan) -> list[str]:
     known: dict[str, float] = {}
     bodies = [plan] if isinstance(plan, BodyPlan) else plan.bodies if isinstance(plan, CampaignPlan) else []
     if some := [one for one in bodies if one.study.uses_panels]:
-        from vsb.engine.hydro.panels.rings import is_table_kept
+        from vsb.engine.hydro.panels.bem import is_table_kept
         from vsb.stages.body_preview import solving_seconds
 
         known = {one.database.out: solving_seconds(one) for one in some}

@@ -11,17 +11,23 @@ from vsb.engine.hydro import database, quality
 from vsb.engine.hydro.bodies.body import FlexibleBody
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.build import build_body
-from vsb.engine.hydro.bodies.refinement import history_of, refined_file
-from vsb.engine.hydro.bodies.solution import blocks_of, check_solvable, solve, solved, table_in
+from vsb.engine.hydro.bodies.solution import (
+    blocks_of,
+    check_solvable,
+    history_of,
+    refined_file,
+    solve,
+    solved,
+    table_in,
+)
 from vsb.engine.hydro.database import Check
 from vsb.engine.hydro.formats import bemio, checks, nemoh, wamit
 from vsb.engine.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
 from vsb.engine.hydro.formats.common import check_positive, volume_of
 from vsb.engine.hydro.formats.exchange import read_source, source_checks
-from vsb.engine.hydro.labels import of_bodies
-from vsb.engine.hydro.panels.rings import stored_green_function
+from vsb.engine.hydro.panels.bem import stored_green_function
 from vsb.engine.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.variables import PAIR, of_bodies
 from vsb.engine.motion.linear import LinearSystem
 from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.pipeline.graph import frequencies

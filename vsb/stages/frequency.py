@@ -13,8 +13,7 @@ import xarray as xr
 
 from vsb.engine.hydro.database import load_database
 from vsb.engine.hydro.orders import order_groups
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.statespace import RadiationModel, fit_radiation, joined
+from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, fit_radiation, joined
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion import frequency as response
 from vsb.engine.motion.damper_matrix import best_matrix

@@ -9,9 +9,9 @@ import xarray as xr
 
 from vsb.engine.hydro.dofs import displacements
 from vsb.engine.hydro.panels import mesh as meshing
+from vsb.engine.hydro.panels.bem import green_function, stored_green_function
 from vsb.engine.hydro.panels.mesh import deformed_mesh
-from vsb.engine.hydro.panels.rings import AxisymmetricProblem, green_function, stored_green_function
-from vsb.engine.hydro.panels.sweep import TwoMeshes, witness_runs
+from vsb.engine.hydro.panels.rings import AxisymmetricProblem, TwoMeshes, witness_runs
 from vsb.engine.hydro.witness import Deformed, Waves, compared, deformed_shapes, derivatives, spectral_runs
 from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
 from vsb.engine.shell.modes import ModeBasis, shell_modes

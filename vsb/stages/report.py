@@ -17,8 +17,8 @@ import yaml
 from matplotlib.figure import Figure
 
 from vsb import __version__
+from vsb.engine.hydro.bodies.body import OUTLINE
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.outline import OUTLINE
 from vsb.engine.hydro.database import Check, stored_checks
 from vsb.engine.hydro.dofs import flexible as is_flexible
 from vsb.engine.motion.take_off import named_ports, port_kind

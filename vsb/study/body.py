@@ -20,7 +20,7 @@ from pydantic import (
 )
 
 from vsb.engine.hydro.bodies.body_file import WAMIT, BodyFile
-from vsb.engine.hydro.labels import is_rigid
+from vsb.engine.hydro.variables import is_rigid
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.motion.take_off import DofPort, Pto
 from vsb.engine.waves.kinds import SpectralSea, StillWater, Wave, with_files

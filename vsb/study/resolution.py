@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from vsb.engine.hydro.panel_solver import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
+from vsb.engine.hydro.panels import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
 from vsb.engine.motion.take_off import (
     BetweenPort,
     DistributedPort,

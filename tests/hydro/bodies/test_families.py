@@ -8,8 +8,7 @@ import yaml
 from scipy.linalg import eigh
 
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.build import build_body
-from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.build import build_body, read_body
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
-from hydro.bodies.test_lid import disc_and_walls
+from hydro.bodies.test_solver import disc_and_walls
 
 from examples.barge import box
 from vsb.engine.hydro.bodies.body import FlexibleBody, check_apart
-from vsb.engine.hydro.bodies.files import read_body, write_body
+from vsb.engine.hydro.bodies.build import read_body, write_body
 from vsb.engine.hydro.bodies.mesh import at_centres, at_vertices, divided, joined, rigid_motion
 from vsb.errors import ConfigError
 

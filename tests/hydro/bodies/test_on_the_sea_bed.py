@@ -6,13 +6,13 @@ import xarray as xr
 from hydro.bodies.test_mesh_files import VOLUME, N, R, T, cylinder, described, obj
 from scipy.special import h1vp, hankel1, kve
 
-from vsb.engine.hydro.bodies import files
+from vsb.engine.hydro.bodies import build
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.hydro.bodies.build import build_body
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.engine.hydro.bodies.mesh import joined
 from vsb.engine.hydro.bodies.solver import BodyProblem
-from vsb.engine.hydro.panels.rings import quick_green_function
+from vsb.engine.hydro.panels.bem import quick_green_function
 from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
@@ -102,7 +102,7 @@ def test_a_pile_bends_by_a_file_of_displacements_that_keeps_its_foot(tmp_path):
         data = {"vertices": (("vertex", "xyz"), points), "faces": (("panel", "corner"), np.array(side))}
         data |= {"mode_shape": (("dof", "vertex", "xyz"), shape[None])}
         xr.Dataset(data, coords={"dof": ["Bending"]}).to_netcdf(tmp_path / "pile.nc")
-        return files.read_body(tmp_path / "pile.nc", tmp_path / "pile.nc", Water(**WATER))
+        return build.read_body(tmp_path / "pile.nc", tmp_path / "pile.nc", Water(**WATER))
 
     bending = np.column_stack([rise**2, 0 * rise, -2 * points[:, 0] * rise / T])  # the foot is clamped
     assert read(bending).volume == pytest.approx(VOLUME, rel=1e-8)

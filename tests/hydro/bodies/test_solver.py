@@ -1,15 +1,30 @@
+from itertools import pairwise
+
 import capytaine as cpt
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from examples import barge
 from vsb.engine.hydro import dofs
+from vsb.engine.hydro.bodies import body as bodies
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.engine.hydro.bodies.lid import interior_lid
-from vsb.engine.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
+from vsb.engine.hydro.bodies.mesh import joined
+from vsb.engine.hydro.bodies.solver import (
+    BodyProblem,
+    coarser_body,
+    coarser_panels,
+    first_irregular_frequency,
+    gap_resonance,
+    interior_lid,
+    unit_wave,
+    unit_wave_slope,
+)
 from vsb.engine.hydro.bodies.verdict import identities
-from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels import bem
 from vsb.engine.hydro.panels.mesh import polygon_radius, revolved
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.ritz import legendre
@@ -41,7 +56,7 @@ def largest_difference(one, other):
 @pytest.fixture
 def plain(monkeypatch):
     """Capytaine's own diagonal."""
-    monkeypatch.setattr(SymmetricPanels, "correction", property(lambda self: np.zeros(len(self._kept))))
+    monkeypatch.setattr(bem.SymmetricPanels, "correction", property(lambda self: np.zeros(self.part.nb_faces)))
 
 
 @pytest.mark.usefixtures("plain")
@@ -189,3 +204,126 @@ def test_added_mass_of_a_deeply_submerged_sphere(green):
     assert missed[0] / missed[1] == pytest.approx((16 / 12) ** 2, rel=0.06)
     extrapolated = (rows[1] ** 2 * found[1] - rows[0] ** 2 * found[0]) / (rows[1] ** 2 - rows[0] ** 2)
     assert extrapolated == pytest.approx(true, rel=0.015)
+
+
+BOTH = ("xOz", "yOz")
+
+
+def triangles(faces, seed):
+    """Quadrilaterals cut along a diagonal drawn by lot."""
+    turn = np.random.default_rng(seed).integers(0, 2, len(faces))
+    q = np.array([np.roll(face, k) for face, k in zip(faces, turn, strict=True)])
+    halves = np.stack([q[:, [0, 1, 2, 2]], q[:, [0, 2, 3, 3]]], axis=1).reshape(-1, 4)
+    return halves[[len(set(half.tolist())) == 3 for half in halves]]
+
+
+def areas(vertices, faces):
+    """Vector areas of the panels."""
+    x = vertices[faces]
+    return np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]) / 2
+
+
+def sides(vertices, faces):
+    """Area of the panels that look along each axis, both ways, and what is left."""
+    a = areas(vertices, faces)
+    return np.array([*np.maximum(a, 0).sum(axis=0), *np.maximum(-a, 0).sum(axis=0), np.linalg.norm(a, axis=1).sum()])
+
+
+@pytest.mark.parametrize(("panels", "planes"), [(1, ("xOz",)), (2, BOTH), (3, ())])
+def test_box_becomes_the_box_of_half_the_resolution(panels, planes):
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 2 * panels)
+    (coarse, share), half = coarser_panels(vertices, faces, planes), barge.box(6.0, 4.0, 2.0, panels)
+
+    def listed(x, f):
+        return np.column_stack([x[f].mean(axis=1), areas(x, f)])
+
+    ours, theirs = listed(vertices, coarse), listed(*half)
+    assert len(ours) == len(theirs)
+    assert share == pytest.approx(1.0)
+    assert cKDTree(ours).query(theirs)[0].max() < 1e-9
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 10_000), length=st.floats(1.0, 100.0), panels=st.integers(1, 3))
+@example(seed=77, length=1.0, panels=3)  # a corner that bends a side by 9 degrees
+def test_sides_of_a_triangulated_box_keep_their_areas(seed, length, panels):
+    vertices, faces = barge.box(length, 4.0, 2.0, panels)
+    cut = triangles(faces, seed)
+    coarse = coarser_panels(vertices, cut, ()).faces
+    assert len(coarse) < 0.7 * len(cut)
+    assert sides(vertices, coarse) == pytest.approx(sides(vertices, faces), rel=1e-12, abs=1e-9)
+    assert len(np.unique(np.sort(coarse, axis=1), axis=0)) == len(coarse)
+
+
+@pytest.mark.parametrize(("rows", "azimuth"), [(6, 16), (9, 20), (5, 18)])
+def test_fewer_panels_of_a_sphere_keep_orientation_and_symmetry(rows, azimuth):
+    body = revolved_body(shell_with(0.0), rows, (0,), azimuth)
+    planes = bodies.SYMMETRIES[bodies.detected_symmetry(body)]
+    coarse, share = coarser_panels(body.vertices, body.faces, planes)
+    a, x = areas(body.vertices, coarse), body.vertices[coarse].mean(axis=1)
+    assert len(coarse) < 0.4 * len(body.faces)
+    assert share > 0.6
+    assert np.all(np.sum(a * x, axis=1) > 0.85 * np.linalg.norm(a, axis=1) * np.linalg.norm(x, axis=1))
+    assert np.linalg.norm(a, axis=1).sum() == pytest.approx(2 * np.pi, rel=0.12)
+    for plane in planes:
+        sign = np.where(np.arange(3) == bodies.PLANES[plane], -1.0, 1.0)
+        assert cKDTree(x).query(x * sign)[0].max() < 1e-9
+
+
+def test_displacements_are_those_of_the_corners():
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
+    body = made(vertices, faces, rigid(vertices))
+    fewer, _ = coarser_body(body, BOTH)
+    assert fewer.labels == body.labels
+    assert fewer.modes == pytest.approx(rigid(fewer.centres), abs=1e-12)
+    assert fewer.volumes == pytest.approx(body.volumes)
+
+
+def disc_and_walls(radii, around=72, draught=0.2):
+    """Wetted surface of a flat ring between two radii, or of a disc where the inner one is zero."""
+    theta = 2 * np.pi * np.arange(around) / around
+    circle, i = np.column_stack([np.cos(theta), np.sin(theta)]), np.arange(around)
+    loops = [(radii[1], 0.0), (radii[1], -draught), (radii[0], -draught), (radii[0], 0.0)][: 4 if radii[0] else 3]
+    vertices = np.vstack([np.column_stack([r * circle, np.full(around, z)]) for r, z in loops])
+    faces = [
+        np.column_stack([a + i, b + i, b + np.roll(i, -1), a + np.roll(i, -1)])
+        for a, b in pairwise(around * np.arange(len(loops)))
+    ]
+    return vertices, np.concatenate(faces)
+
+
+def test_lid_lies_inside_the_waterlines_with_normals_down():
+    """A spar of 2 m in the moonpool of a ring."""
+    vertices, faces = joined([disc_and_walls((3.0, 7.0)), disc_and_walls((0.0, 2.0))])
+    lid, panels = interior_lid(made(vertices, faces, rigid(vertices)[2:3]), 8)
+    corner = lid[panels]
+    away = np.linalg.norm(corner[..., :2], axis=-1)
+    assert (((away > 3.0) & (away < 7.0)) | (away < 2.0)).all()
+    assert (away < 2.0).any()
+    assert (away > 3.0).any()
+    assert (np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])[:, 2] < 0).all()
+    assert len(np.unique(corner.mean(axis=1).round(6), axis=0)) == len(panels)
+
+
+def test_lower_bound_of_irregular_frequencies():
+    vertices, faces = barge.box(10.0, 8.0, 4.0, 1)
+    body = made(vertices, faces, rigid(vertices)[2:3])
+    p = np.pi * np.hypot(0.1, 0.125)
+    assert first_irregular_frequency(body, 9.81) == pytest.approx(np.sqrt(9.81 * p / np.tanh(4 * p)), rel=1e-12)
+    hemisphere = revolved_body(shell_with(0.0), 8, (1,), 16)
+    assert 0.8 * 2.557 < first_irregular_frequency(hemisphere, 1.0) ** 2 < 2.557
+    below = np.concatenate([faces, faces[:, ::-1] + len(vertices)])
+    vertices = np.concatenate([vertices, vertices * [1, 1, -1]]) - [0.0, 0.0, 5.0]
+    under = made(vertices, below, rigid(vertices)[2:3])
+    assert first_irregular_frequency(under, 9.81) == np.inf
+    assert interior_lid(under, 8) is None
+
+
+def test_resonance_of_a_gap_between_two_bodies():
+    """Ring of 3.3 to 5 m around a spar of 3 m: damping of heave peaks and added mass turns negative at 1.70 rad/s."""
+    vertices, faces = joined([disc_and_walls((3.3, 5.0), draught=3.0), disc_and_walls((0.0, 3.0), draught=3.0)])
+    found = gap_resonance(made(vertices, faces, rigid(vertices)[2:3]), 9.81)
+    assert found.omega == pytest.approx(1.70, rel=0.01)
+    assert found.width == pytest.approx(0.3, rel=1e-6)
+    vertices, faces = joined([disc_and_walls((6.0, 8.0), draught=3.0), disc_and_walls((0.0, 3.0), draught=3.0)])
+    assert gap_resonance(made(vertices, faces, rigid(vertices)[2:3]), 9.81) is None

@@ -10,12 +10,11 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 from examples import barge
 from vsb.engine.hydro import dofs
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.lid import interior_lid
 from vsb.engine.hydro.bodies.solution import Measure, solved_block, swept
-from vsb.engine.hydro.bodies.solver import BodyProblem
+from vsb.engine.hydro.bodies.solver import BodyProblem, interior_lid
 from vsb.engine.hydro.bodies.verdict import Block, error_estimate, least_sizes, mesh_checks, sizes
 from vsb.engine.hydro.database import with_excitation
-from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels import bem
 from vsb.engine.hydro.quality import negative_damping
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.waves.water import Water, wavenumber

@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 
 from vsb.engine.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.engine.hydro.formats.capytaine import read_capytaine
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.errors import DatabaseError
 from vsb.stages.coefficients import import_bemio
 

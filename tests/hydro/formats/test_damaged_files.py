@@ -9,7 +9,7 @@ import pytest
 from tests.hydro.formats.test_checks import CIRCLE, LABELS, sound
 from vsb.cli import main
 from vsb.engine.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
-from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.engine.hydro.formats.wamit import wamit_texts
 from vsb.errors import DatabaseError
 
 FACTS = {
@@ -138,7 +138,3 @@ def test_cut_text_is_refused_in_one_line(wamit, extension, part, capsys):
     assert main(["import-wamit", str(wamit), "body", str(wamit / "out.nc"), "--density", "1000"]) == 2
     captured = capsys.readouterr()
     assert (captured.out, captured.err.count("\n")) == ("", 1)
-
-
-def read(folder):
-    return import_wamit(folder, "body", density=1000.0, gravity=9.81)

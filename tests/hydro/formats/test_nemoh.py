@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from hydro.bodies.test_files import damaged
+from hydro.bodies.test_mesh_files import damaged
 
 from vsb.cli import main
 from vsb.engine.hydro.formats.nemoh import read_nemoh

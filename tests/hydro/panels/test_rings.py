@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 from vsb.engine.hydro import dofs
-from vsb.engine.hydro.panels import rings as bem
-from vsb.engine.hydro.panels.mesh import mean_mesh
+from vsb.engine.hydro.panels import bem
+from vsb.engine.hydro.panels.mesh import deformed_mesh, graded_colatitudes, mean_mesh, polygon_radius, revolved
+from vsb.engine.hydro.panels.rings import AxisymmetricProblem, TwoMeshes
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.shell.deformed import rigid_sphere
-from vsb.engine.waves.water import group_velocity
+from vsb.engine.hydro.sweep import coefficients, largest
+from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.water import group_velocity, wavenumber
 from vsb.errors import DatabaseError
 from vsb.tools.stamps import read_manifest
 
@@ -26,7 +29,7 @@ def green(green_folder):
 def unit_problem(green, rows, *, lid_rows=None, degrees=DEGREES, depth=np.inf):
     """Hemisphere of radius, density and gravity one: omega^2 = Ka."""
     mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, lid_rows or rows // 2)
-    return bem.AxisymmetricProblem(green, mesh, dofs.displacements(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
+    return AxisymmetricProblem(green, mesh, dofs.displacements(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
 
 
 def errors(result, hemisphere, ka):
@@ -117,13 +120,13 @@ def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisph
 
 def errors_at_infinity(green, hemisphere, rows, degrees=(0, 1, 2, 3)):
     exact = np.array(hemisphere["added_mass_infinite_frequency"])[np.ix_(degrees, degrees)]
-    return [np.abs(unit_problem(green, n, degrees=degrees).at_infinity() - exact).max() for n in rows]
+    return [np.abs(unit_problem(green, n, degrees=degrees).added_mass_inf() - exact).max() for n in rows]
 
 
 def test_flat_panels_converge_at_first_order_and_the_flux_correction_at_second(green, hemisphere, monkeypatch):
     rows = np.array([8, 12, 16, 24])
     corrected = errors_at_infinity(green, hemisphere, rows)
-    monkeypatch.setattr(bem, "flux_correction", lambda green, rings: np.zeros(rings.rows))
+    monkeypatch.setattr(bem.SymmetricPanels, "correction", property(lambda self: np.zeros(self.part.nb_faces)))
     flat = errors_at_infinity(green, hemisphere, rows)
     slopes = [-np.diff(np.log(e)) / np.diff(np.log(rows)) for e in (corrected, flat)]
     assert np.all(np.abs(slopes[1] - 1.0) < 0.1), slopes
@@ -141,7 +144,9 @@ def test_damping_is_smooth_across_irregular_frequencies_and_resonances_of_the_li
 
 
 def test_added_mass_at_infinite_frequency_in_finite_depth(green):
-    deep, near, far = (unit_problem(green, 20, degrees=(1,), depth=d).at_infinity().item() for d in (np.inf, 2.0, 40.0))
+    deep, near, far = (
+        unit_problem(green, 20, degrees=(1,), depth=d).added_mass_inf().item() for d in (np.inf, 2.0, 40.0)
+    )
     assert far == pytest.approx(deep, rel=1e-3)
     assert near > 1.01 * deep  # the bottom confines the flow
 
@@ -149,15 +154,7 @@ def test_added_mass_at_infinite_frequency_in_finite_depth(green):
 def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.inf):
     """Hemisphere of radius, density and gravity one."""
     mesh = mean_mesh(1.0, 0.0, rows, azimuth or 2 * rows, rows // 2)
-    return bem.AxisymmetricProblem(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
-
-
-class Plain(bem.AxisymmetricProblem):
-    """Capytaine's own diagonal."""
-
-    @property
-    def correction(self):
-        return np.zeros(self.body.rows)
+    return AxisymmetricProblem(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
 
 
 def full_mesh(wedge, azimuth):
@@ -166,10 +163,10 @@ def full_mesh(wedge, azimuth):
 
 def capytaines_own(green, problem, omega):
     """The same panels, every one an unknown, rigid motions as capytaine defines them."""
-    rings, n = bem.ring_mesh(problem.mesh), problem.mesh.attrs["azimuth"]
-    lid = full_mesh(rings.wedge.extract_faces(np.arange(rings.body_rows, rings.rows)), n)
-    mesh = full_mesh(problem.body.wedge, n)
-    theta = 2 * np.pi * np.repeat(np.arange(n), rings.body_rows) / n
+    rings, n = problem.rings(with_lid=True), problem.mesh.attrs["azimuth"]
+    lid = full_mesh(rings.part.extract_faces(np.flatnonzero(~rings.of_body)), n)
+    mesh = full_mesh(problem.body.part, n)
+    theta = 2 * np.pi * np.repeat(np.arange(n), problem.body.part.nb_faces) / n
     along = np.tile(problem.velocities, n) * np.cos(problem.order * theta)
     moved = {d.label: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
     if problem.order == 1:
@@ -195,10 +192,13 @@ def capytaines_own(green, problem, omega):
         (2, ("Radial2", "Radial3"), 12, 3.0),
     ],
 )
-def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, displacements, azimuth, depth):
+def test_every_order_equals_capytaines_full_solution_to_round_off(
+    green, order, displacements, azimuth, depth, monkeypatch
+):
+    monkeypatch.setattr(bem.SymmetricPanels, "correction", property(lambda self: np.zeros(self.part.nb_faces)))
     around = azimuth if order else azimuth + 8  # the mean of the wave around is exact, capytaine's is aliased
     mesh = mean_mesh(1.0, 0.2, 5, around, 2)
-    problem = Plain(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
+    problem = AxisymmetricProblem(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
     ours, theirs = problem.solve([1.1]), capytaines_own(green, problem, 1.1)
     for name in ours:
         expected = theirs[name].transpose(*ours[name].dims).values
@@ -216,7 +216,7 @@ def test_haskind_of_every_order(green, order, names, depth):
     omega = 1.0
     result = order_problem(green, 24, names, order, depth=depth).solve([omega])
     x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
-    k = bem.wavenumber(omega, depth, 1.0)
+    k = wavenumber(omega, depth, 1.0)
     haskind = k * np.outer(x, x.conj()) / (8 * group_velocity(omega, depth, 1.0))
     b = result.radiation_damping.values[0]
     assert np.abs(haskind - b).max() < (2e-3 if np.isinf(depth) else 2e-2) * b.max()
@@ -231,8 +231,119 @@ def test_every_order_converges_to_the_solver_without_panels(green, order, names)
     errors = []
     for rows in (10, 14, 20, 28):
         mesh = mean_mesh(1.0, -0.2, rows, 2 * rows, rows // 2)
-        found = bem.AxisymmetricProblem(green, mesh, dofs.displacements(names, order), 1.0, np.inf, 1.0).solve(omegas)
+        found = AxisymmetricProblem(green, mesh, dofs.displacements(names, order), 1.0, np.inf, 1.0).solve(omegas)
         errors.append([float(np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max()) for name in exact])
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
     assert np.max(errors[-1]) < 6e-3, errors
+
+
+LEGENDRE = dofs.displacements(f"Radial{n}" for n in range(5))
+LOW = [round(0.1 * i, 10) for i in range(1, 33)]
+FROM_KD = [w for w in LOW if w >= 0.7]  # kd > 0.3
+HIGH = [round(0.1 * i, 10) for i in range(65, 97)]
+SCENES = {
+    "hemisphere": (0.0, LEGENDRE, np.inf, LOW),
+    "low": (-0.8, LEGENDRE, np.inf, LOW),
+    "short waves": (-0.8, LEGENDRE, np.inf, HIGH),
+    "near the bottom": (0.0, LEGENDRE, 2.2, FROM_KD),
+}
+
+
+def meshes(green, rows, height=0.0, displacements=LEGENDRE, depth=np.inf, density=1025.0):
+    """The sphere of radius 2 m with its centre at a height, and an undemanding lid."""
+
+    def problem(part):
+        mesh = deformed_mesh(rigid_sphere(2.0, height), rows // part, 2 * rows // part, 16 // part)
+        return AxisymmetricProblem(green, mesh, displacements, density, depth, 9.81)
+
+    return TwoMeshes(problem(1), problem(2))
+
+
+def true_error(two, found):
+    """Against the spectral solver, in terms of the largest entries the estimate is told of."""
+    p, height = two.fine, 2.0 + float(two.fine.mesh.meridian_height.min())
+    exact = SpectralProblem(rigid_sphere(2.0, height), p.displacements, p.density, 9.81, 48, depth=p.depth)
+    reference = exact.solve(found.omega.values.tolist())
+    sizes = largest(reference, two.strongest)
+    pairs = zip(coefficients(found), coefficients(reference), sizes, strict=True)
+    return max(float(np.abs(a - b).max()) / size for a, b, size in pairs)
+
+
+@pytest.mark.parametrize("scene", ["hemisphere", "low", "short waves", "near the bottom"])
+def test_the_estimate_bounds_the_error_of_panels_and_interpolation(green, scene):
+    *shape, frequencies = SCENES[scene]
+    two = meshes(green, 12, *shape)
+    found = two.solve(frequencies, 5e-4)
+    estimate, error = found.attrs["error_estimate"], true_error(two, found)
+    assert error <= estimate
+    assert estimate <= (50 if scene == "short waves" else 8) * error
+
+
+@pytest.mark.parametrize("depth", [np.inf, 4.0])
+def test_the_estimate_at_infinite_frequency_bounds_the_error(green, depth):
+    errors = []
+    for rows in (12, 20):
+        two = meshes(green, rows, depth=depth)
+        exact = SpectralProblem(rigid_sphere(2.0, 0.0), LEGENDRE, 1025.0, 9.81, 48, depth=depth).at_infinity()
+        found = two.at_infinity()
+        errors.append(np.abs(found.added_mass_inf.values - exact).max() / np.abs(exact).max())
+        assert errors[-1] <= found.attrs["error_estimate"] <= 10 * errors[-1]
+    assert errors[0] > errors[1]
+
+
+@pytest.mark.parametrize("scene", ["low", "short waves"])
+def test_in_deep_water_few_frequencies_are_solved(green, scene):
+    *shape, frequencies = SCENES[scene]
+    two = meshes(green, 20, *shape)
+    found = two.solve(frequencies, 5e-4)
+    assert found.attrs["frequencies"] == len(frequencies) == found.sizes["omega"]
+    assert found.attrs["solves"] <= 13
+    direct = two.solve(frequencies)
+    assert direct.attrs["solves"] == len(frequencies)
+    sizes = largest(direct, two.strongest)
+    pairs = zip(coefficients(found), coefficients(direct), sizes, strict=True)
+    assert max(np.abs(a - b).max() / size for a, b, size in pairs) <= direct.attrs["error_estimate"] / 2
+
+
+def panel_area(vertices, faces):
+    a, b, c, d = (vertices[faces[:, i]] for i in range(4))
+    return 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1)
+
+
+def enclosed_volume(vertices, faces):
+    """Volume below z = 0 by the divergence theorem on two triangles per panel; positive for outward normals."""
+    a, b, c, d = (vertices[faces[:, i]] for i in range(4))
+    return sum(np.einsum("ij,ij->i", p, np.cross(q, r)).sum() for p, q, r in ((a, b, c), (a, c, d))) / 6
+
+
+@pytest.mark.parametrize("height", [-0.6, 0.0, 0.9])
+def test_area_and_volume_of_the_mean_mesh_converge_at_second_order(height):
+    depth, rows = 2.0 - height, np.array([20, 40, 80, 160, 320])
+    exact = np.array([2 * np.pi * 2.0 * depth, np.pi * depth**2 * (6.0 - depth) / 3])
+    errors = []
+    for n in rows:
+        mesh = mean_mesh(2.0, height, n, 2 * n, 8)
+        vertices, faces = revolved(mesh.meridian_radius.values, mesh.meridian_height.values, 2 * n)
+        assert (vertices.shape, faces.shape) == (((n + 1) * 2 * n, 3), (n * 2 * n, 4))
+        found = np.array([panel_area(vertices, faces).sum(), enclosed_volume(vertices, faces)])
+        errors.append(np.abs(found / exact - 1))
+    slopes = -np.diff(np.log(errors), axis=0) / np.diff(np.log(rows))[:, None]
+    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
+
+
+def test_normals_of_a_deformed_shell_are_across_its_meridian_into_the_water(seed):
+    """By the chord from row to row, to second order; lid, azimuth and colatitudes are as of the sphere."""
+    shell = DeformedShell(mode_basis(seed.device, "full", 4), 0.3, np.array([0.0, 0.1, 0, 0.05, 0, 0, -0.1, 0, 0]))
+    mesh = deformed_mesh(shell, 60, 24, 5)
+    chord = np.diff([mesh.meridian_radius / polygon_radius(24), mesh.meridian_height], axis=1)
+    across = np.array([-chord[1], chord[0]]) / np.hypot(*chord)
+    assert np.array([mesh.normal_radius, mesh.normal_height]) == pytest.approx(across, abs=5e-3)
+    edges = graded_colatitudes(shell.waterline, 60)
+    assert mesh.row_colatitude.values == pytest.approx((edges[1:] + edges[:-1]) / 2)
+    tangent = shell.meridian(mesh.row_colatitude.values)
+    along = mesh.normal_radius.values * tangent.dx + mesh.normal_height.values * tangent.dz
+    assert along == pytest.approx(np.zeros(60), abs=1e-13)
+    assert np.hypot(mesh.normal_radius, mesh.normal_height).values == pytest.approx(np.ones(60), rel=1e-14)
+    assert mesh.lid_radius.values == pytest.approx(np.linspace(0, mesh.meridian_radius.values[0], 6))
+    assert (mesh.meridian_height.values[0], mesh.meridian_radius.values[-1]) == (0.0, 0.0)

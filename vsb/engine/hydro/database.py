@@ -130,10 +130,11 @@ class Rule(NamedTuple):
 
 def solved_dataset(
     omegas: Sequence[float],
-    solved: Sequence[Displacement],
+    labels: Sequence[str],
     columns: Sequence[tuple[FloatArray | ComplexArray, ...]],
+    directions: Sequence[float] | FloatArray = (0.0,),
 ) -> xr.Dataset:
-    """Return a solver's coefficients of displacements in waves to +x.
+    """Return a solver's coefficients of displacements in waves of some directions [rad].
 
     Parameters
     ----------
@@ -141,17 +142,17 @@ def solved_dataset(
     columns : sequence of tuple
         For each frequency added mass, damping, Froude-Krylov and diffraction force.
     """
-    added_mass, damping, froude_krylov, diffraction = (np.array(each) for each in zip(*columns, strict=True))
-    matrix, force = ("omega", *PAIR), ("omega", "wave_direction", PAIR[0])
-    labels = tuple(each.label for each in solved)
+    added_mass, damping, *forces = (np.array(each) for each in zip(*columns, strict=True))
+    shape, matrix = (len(omegas), len(directions), len(labels)), ("omega", *PAIR)
+    froude_krylov, diffraction = ((("omega", "wave_direction", PAIR[0]), force.reshape(shape)) for force in forces)
     return xr.Dataset(
         {
             "added_mass": (matrix, added_mass),
             "radiation_damping": (matrix, damping),
-            "Froude_Krylov_force": (force, froude_krylov[:, None]),
-            "diffraction_force": (force, diffraction[:, None]),
+            "Froude_Krylov_force": froude_krylov,
+            "diffraction_force": diffraction,
         },
-        {"omega": list(omegas), "wave_direction": [0.0], **{dim: list(labels) for dim in PAIR}},
+        {"omega": list(omegas), "wave_direction": list(directions), **{dim: list(labels) for dim in PAIR}},
     )
 
 
@@ -317,11 +318,7 @@ def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | P
     """Write a database, the full sweep in a group of its own if other frequencies are tabulated, and refresh INDEX."""
     attrs = {**tabulated.attrs, "Conventions": "CF-1.8", "separate_sweep": int(sweep is not None)}
     save(tabulated.assign_attrs(attrs), path, groups={SWEEP: sweep} if sweep is not None else None)
-    write_index(Path(path).parent)
-
-
-def write_index(folder: Path) -> None:
-    """Rewrite INDEX.tsv beside the database folder from the files in it."""
+    folder = Path(path).parent
     with locked(folder / ".index.lock"):
         write_text(folder.parent / "INDEX.tsv", index_text(folder))
 
@@ -329,19 +326,16 @@ def write_index(folder: Path) -> None:
 def index_text(folder: Path) -> str:
     """Return the index of the databases in a folder."""
     columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
-    lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
-    return "\n".join(lines) + "\n"
-
-
-def _index_line(path: Path) -> str:
-    """One line of the index, read from the file; a file of another kind is listed as unreadable."""
-    try:
-        ds = load(path)
-        a = ds.attrs
-        fields, depth = [a.get(key, "-") for key in ("radius", "basis", "degree")], a["water_depth"]  # of a body none
-        verdicts = {check.verdict for check in stored_checks(ds)}
-    except (DatabaseError, KeyError, TypeError, ValueError):
-        return "\t".join([path.stem, *["-"] * 6, "unreadable"])
-    omega = ds.omega.values
-    worst = next(v for v in ("fail", "accepted", "doubt", "ok") if v in verdicts or v == "ok")
-    return "\t".join(map(str, [path.stem, *fields, len(omega), f"{omega[-1]:g}", depth, worst]))
+    rows: list[Sequence[object]] = [columns]
+    for path in sorted(folder.glob("*.nc")):
+        try:
+            ds = load(path)
+            fields = [ds.attrs.get(key, "-") for key in ("radius", "basis", "degree")]  # of a body none
+            verdicts, depth = {check.verdict for check in stored_checks(ds)}, ds.attrs["water_depth"]
+        except (DatabaseError, KeyError, TypeError, ValueError):  # a file of another kind
+            rows.append([path.stem, *["-"] * 6, "unreadable"])
+            continue
+        omega = ds.omega.values
+        worst = next(v for v in ("fail", "accepted", "doubt", "ok") if v in verdicts or v == "ok")
+        rows.append([path.stem, *fields, len(omega), f"{omega[-1]:g}", depth, worst])
+    return "".join("\t".join(map(str, row)) + "\n" for row in rows)

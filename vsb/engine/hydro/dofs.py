@@ -14,7 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.special import assoc_legendre_p, j0, j1, jv
 
-from vsb.engine.hydro.labels import is_rigid
+from vsb.engine.hydro.variables import is_rigid
 from vsb.engine.shell.ritz import legendre
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -23,10 +23,7 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 def legendre_function(degree: int, order: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return P_n^m(cos phi), without Condon and Shortley's sign: P_1^1 = sin phi, and its derivative by phi.
 
-    Parameters
-    ----------
-    colatitude : ndarray, shape (point,) [rad]
-        Strictly between the poles for m > 0.
+    At colatitudes, shape (point,) [rad], strictly between the poles for m > 0.
     """
     if order == 0:
         p, dp, _ = legendre(degree, colatitude)
@@ -38,12 +35,8 @@ def legendre_function(degree: int, order: int, colatitude: FloatArray) -> tuple[
 def wave_around(order: int, points: int, kx: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Return the component of order m > 0 of exp(i kx cos theta) over points around a circle, and its rise by kx.
 
-    2 i^m J_m(kx) and its derivative for many points; with few points aliased as the panels' solution is.
-
-    Parameters
-    ----------
-    kx : ndarray, shape (circle,)
-        Wavenumber times radius.
+    2 i^m J_m(kx) and its derivative for many points; with few points aliased as the panels' solution is. `kx`, shape
+    (circle,), is wavenumber times radius.
     """
     theta = 2 * np.pi * np.arange(points) / points
     weight, wave = 2 / points * np.cos(order * theta), np.exp(1j * np.outer(kx, np.cos(theta)))

@@ -12,7 +12,7 @@ import xarray as xr
 
 from vsb.engine.hydro.database import Check, check_at_most
 from vsb.engine.hydro.dofs import multiplicity
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.hydro.sweep import joined
 from vsb.engine.waves.water import Water, haskind_factor
 from vsb.errors import DatabaseError
@@ -113,12 +113,6 @@ def kinks(omega: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(np.abs(values[2:-2] - neighbours))
 
 
-def largest_kink(ds: xr.Dataset) -> float:
-    """Return the largest kink of the damping, in terms of its largest value."""
-    b = np.einsum("wii->wi", ds.radiation_damping.values / _scale(ds))
-    return float(kinks(ds.omega.values, b).max()) if len(b) >= 5 else 0.0
-
-
 def added_mass_difference(ds: xr.Dataset) -> float:
     """Return the mean over the lower half of the band of A(inf) solved minus A(inf) by Ogilvie's relation.
 
@@ -155,12 +149,13 @@ def pointwise_checks(ds: xr.Dataset, water: Water, precision: float = 1.0, order
 
 def sweep_checks(sweep: xr.Dataset, precision: float = 1.0) -> list[Check]:
     """Return the checks that need the whole band, in equal steps; what lies above it keeps a tenth of the limit."""
-    kink, inconsistency = largest_kink(sweep), added_mass_difference(sweep)
+    damping = np.einsum("wii->wi", sweep.radiation_damping.values / _scale(sweep))
+    kink = kinks(sweep.omega.values, damping).max() if len(damping) >= 5 else 0.0
     smooth = "damping is smooth; an irregular frequency is a spike in it"
     ogilvie = "Ogilvie: added mass at infinity follows from damping"
     return [
         check_at_most("irregular_frequencies", kink, 0.02, "-", smooth),
-        identity_check("kramers_kronig", inconsistency, 0.02, max(precision, 0.1), ogilvie),
+        identity_check("kramers_kronig", added_mass_difference(sweep), 0.02, max(precision, 0.1), ogilvie),
     ]
 
 

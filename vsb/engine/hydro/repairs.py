@@ -16,9 +16,8 @@ from scipy.interpolate import CubicSpline
 
 from vsb.engine.hydro.database import Check, with_history
 from vsb.engine.hydro.formats.checks import sizes
-from vsb.engine.hydro.labels import is_rigid
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.radiation import DampingSpectrum
+from vsb.engine.hydro.variables import PAIR, is_rigid
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
 
@@ -37,12 +36,8 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
 
     At every frequency the nearest damping without an eigenvalue below a floor (Higham 1988), with distances measured in
     the motions' largest damping. The floor is round-off, and more around frequencies between which a cubic spline would
-    draw energy. Motions that move no water remain without damping. Raises `ConfigError` if splines stay negative.
-
-    Parameters
-    ----------
-    ds : xarray.Dataset
-        With symmetric damping.
+    draw energy. Motions that move no water remain without damping, which must be symmetric. Raises `ConfigError` if
+    splines stay negative.
     """
     omega, size, damping = ds.omega.values, sizes(ds), ds.radiation_damping.values
     wet = np.flatnonzero(size.wet)
@@ -54,7 +49,8 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
     for _ in range(_ROUNDS):
         lifted = np.maximum(np.where(values < 0, _LEAST, values), floor[:, None])
         changed = np.asarray((lifted > values).any(axis=1))
-        kept = np.where(changed[:, None, None], _assembled(vectors, lifted), own)
+        assembled = np.einsum("wim,wm,wjm->wij", vectors, lifted, vectors)
+        kept = np.where(changed[:, None, None], assembled, own)
         least = np.linalg.eigvalsh(CubicSpline(omega, kept)(inside))[..., 0].min(axis=0)
         if (least > 0).all():
             break
@@ -70,11 +66,6 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
     count = f"{np.count_nonzero(changed)} of {len(omega)} frequencies"
     mended_at = ds.assign(radiation_damping=(("omega", *PAIR), mended))
     return with_history(mended_at, f"damping made positive definite at {count}")
-
-
-def _assembled(vectors: FloatArray, values: FloatArray) -> FloatArray:
-    """Symmetric matrices of eigenvectors, in columns, and eigenvalues, one of each for every frequency."""
-    return np.asarray(np.einsum("wim,wm,wjm->wij", vectors, values, vectors))
 
 
 def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
@@ -150,9 +141,10 @@ def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Che
     checks = []
     for name in [name for name in _REPAIRS if name in names]:
         repair, variable, measure, what = _REPAIRS[name]
-        size = sizes(ds)
+        root = np.sqrt(getattr(sizes(ds), measure))
         mended = repair(ds)
-        change = _change(ds[variable].values, mended[variable].values, getattr(size, measure))
+        difference = np.abs(mended[variable].values - ds[variable].values)
+        change = (difference / np.outer(root, root)).max(axis=(1, 2))
         at = f"most at {float(ds.omega.values[change.argmax()]):.4g} rad/s"
         largest, limit = float(change.max()), LARGEST_CHANGE[name]
         if largest > limit:
@@ -173,9 +165,3 @@ def failures_as_doubts(checks: Sequence[Check], names: Sequence[str]) -> list[Ch
         else check
         for check in checks
     ]
-
-
-def _change(before: FloatArray, after: FloatArray, size: FloatArray) -> FloatArray:
-    """Largest change of an entry at each frequency, in terms of the sizes of both motions, shape (omega,) [-]."""
-    root = np.sqrt(size)
-    return np.asarray((np.abs(after - before) / np.outer(root, root)).max(axis=(1, 2)))

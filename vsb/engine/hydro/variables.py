@@ -1,17 +1,57 @@
-"""Variables of hydrodynamic coefficients in files; names of the database are capytaine's where it has them."""
+"""Variables of hydrodynamic coefficients in files, and labels of degrees of freedom: of bodies, rigid, of rings.
+
+Names of the database are capytaine's where it has them.
+"""
+
+from collections.abc import Iterable
 
 from vsb.tools.variables import Variable, register
+
+RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+"""Labels of the six rigid motions, in everybody's order; of several bodies named with the body first: float__Heave."""
+
+
+ROTATIONS = RIGID[3:]
+
+
+def motion_of(label: str) -> str:
+    """Return the motion a degree of freedom is, whichever body's: Heave of float__Heave."""
+    return label.rpartition("__")[2]
+
+
+def body_of(label: str) -> str:
+    """Return the body a degree of freedom is of: float of float__Heave; the only one has no name."""
+    return label.rpartition("__")[0]
+
+
+def is_rigid(label: str) -> bool:
+    """Return whether a degree of freedom is a rigid motion, of one of several bodies or of the only one."""
+    return motion_of(label) in RIGID
+
+
+def is_of_ring(label: str) -> bool:
+    """Return whether a degree of freedom is a mode of rings: too short to be seen in the shape of the shell."""
+    return label.startswith("Ring")
+
+
+def of_bodies(labels: Iterable[str]) -> dict[str, list[int]]:
+    """Return the places of each body's degrees of freedom, by its name; the only body has none."""
+    places: dict[str, list[int]] = {}
+    for place, label in enumerate(labels):
+        places.setdefault(body_of(label), []).append(place)
+    return places
+
 
 PAIR = ("influenced_dof", "radiating_dof")
 """Dimensions of a matrix over the degrees of freedom."""
 RESOLUTION = "resolution"
+"""Variable with the error of the solver in each degree of freedom, over the root of the largest added mass of it."""
 OF_GEOMETRY = {
     name: f"geometry_{name}"
     for name in ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness")
 }
 """Attributes: relative errors of coefficients of heave by what is unknown of the shape, at `AT_GEOMETRY` [rad/s]."""
 AT_GEOMETRY = "geometry_omega"
-"""Variable with the error of the solver in each degree of freedom, over the root of the largest added mass of it."""
 _EXCITATION = ("omega", "wave_direction", "influenced_dof")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")
 _BY_COEFFICIENT = ("coefficient", "shape_dof")

@@ -13,6 +13,7 @@ Heave and modes are motions of material points, so on every shape they are the s
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -71,26 +72,20 @@ def deformed_shapes(shell: DeformedShell, modes: Sequence[str], depth: float) ->
     lowest = (_keel(shell) + depth) / 2
     size = DEFORMATION * shell.basis.shell.radius
     while size >= LEAST_DEFORMATION * shell.basis.shell.radius:
-        moved = [_deformed(shell, mode, sign * size) for mode in modes for sign in (-1, 1)]
-        if all(_floats_once(each.shell) and _keel(each.shell) <= lowest for each in moved):
+        moved = []
+        for mode, sign in product(modes, (-1, 1)):
+            along = np.eye(len(shell.modal_amplitude))[shell.basis.labels.index(mode)]
+            amplitudes = shell.modal_amplitude + sign * size * along
+            moved.append(Deformed(replace(shell, modal_amplitude=amplitudes), mode, sign * size))
+        wet = [each.shell.wet_segments for each in moved]
+        floats_once = all(len(some) == 1 and some[0][0] > 0.0 and some[0][1] == np.pi for some in wet)
+        if floats_once and all(_keel(each.shell) <= lowest for each in moved):
             return [Deformed(shell), *moved]
         size /= 2
     raise ConfigError(
         f"hydro.witness: received modes {', '.join(modes)}, one of which, however small, makes the shell cross the "
         "water more than once or touch the bottom; needs one waterline: change device.mass, or set hydro.witness: none"
     )
-
-
-def _deformed(shell: DeformedShell, mode: str, amplitude: float) -> Deformed:
-    """A shell deformed further by one mode."""
-    along = np.eye(len(shell.modal_amplitude))[shell.basis.labels.index(mode)]
-    return Deformed(replace(shell, modal_amplitude=shell.modal_amplitude + amplitude * along), mode, amplitude)
-
-
-def _floats_once(shell: DeformedShell) -> bool:
-    """Whether a shell has one waterline, with the keel below it."""
-    wet = shell.wet_segments
-    return len(wet) == 1 and wet[0][0] > 0.0 and wet[0][1] == np.pi
 
 
 def _keel(shell: DeformedShell) -> float:
@@ -198,30 +193,25 @@ def derivatives(shapes: Sequence[Deformed], panels: Sequence[Runs], basis: ModeB
     if np.isfinite(waves.depth) or len(shapes) == 1:
         return xr.Dataset()
     family = ShapeFamily(shapes[0].shell, waves.omegas, waves.density, waves.gravity, NODES)
-    found = [_derivative(family, shapes[i], (panels[i], panels[i + 1]), basis) for i in range(1, len(shapes), 2)]
+    dofs, unit = {dim: list(basis.labels) for dim in PAIR}, np.eye(len(family.labels))
+    slopes, apart, expected = list[xr.Dataset](), list[FloatArray](), list[FloatArray]()
+    for i in range(1, len(shapes), 2):
+        (minus, plus), h = (each.found for each in panels[i : i + 2]), -shapes[i].amplitude
+        line = family.along(unit[family.labels.index(shapes[i].mode)], levels=2)
+        central = Versions(*((up - down) / (2 * h) for down, up in zip(minus, plus, strict=True)))
+        slope, third = (ds[list(COEFFICIENTS)].sel(dofs) for ds in (line.slope, h**2 * line.cubic))
+        fifth = float(differences(third, 0 * third, slope).max()) ** 2
+        slopes.append(slope)
+        apart.append(differences(central.fine - third, slope, slope))
+        expected.append(error_estimate(central, slope, np.inf) + fifth)
     where = ("shape_dof", "omega", "coefficient")
-    slopes, apart, expected = zip(*found, strict=True)
     stacked: xr.Dataset = xr.concat(slopes, "shape_dof").rename({name: f"{name}_slope" for name in COEFFICIENTS})
     return stacked.assign(
-        slope_difference=(where, list(apart)),
-        slope_estimate=(where[::2], list(expected)),
+        slope_difference=(where, apart),
+        slope_estimate=(where[::2], expected),
         shape_dof=[each.mode for each in shapes[1::2]],
         coefficient=list(COEFFICIENTS),
     )
-
-
-def _derivative(
-    family: ShapeFamily, low: Deformed, sides: tuple[Runs, Runs], basis: ModeBasis
-) -> tuple[xr.Dataset, FloatArray, FloatArray]:
-    """Derivative by one mode, the distance of the panels' central difference from it, and the expected distance."""
-    dofs = {dim: list(basis.labels) for dim in PAIR}
-    line = family.along(np.eye(len(family.labels))[family.labels.index(low.mode)], levels=2)
-    (minus, plus), h = (each.found for each in sides), -low.amplitude
-    central = Versions(*((up - down) / (2 * h) for down, up in zip(minus, plus, strict=True)))
-    slope, third = (ds[list(COEFFICIENTS)].sel(dofs) for ds in (line.slope, h**2 * line.cubic))
-    fifth = float(differences(third, 0 * third, slope).max()) ** 2
-    expected = error_estimate(central, slope, np.inf) + fifth
-    return slope, differences(central.fine - third, slope, slope), expected
 
 
 def witness_checks(ds: xr.Dataset) -> list[Check]:

@@ -5,7 +5,7 @@ import time as clock
 import numpy as np
 from scipy.linalg import block_diag
 
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.motion.system import Motion, System
 from vsb.engine.waves.seas import superposed
 from vsb.errors import StabilityError

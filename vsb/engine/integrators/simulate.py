@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.integrators.audit import START, Balance, absorbed_power, energies, terms
 from vsb.engine.integrators.collocation import collocated
 from vsb.engine.integrators.exact import convolve, propagate, steady_state

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import null_space
 
 from vsb.engine.hydro.dofs import flexible
-from vsb.engine.hydro.labels import motion_of
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
+from vsb.engine.hydro.variables import motion_of
 from vsb.engine.motion.forces import (
     AssumedPressure,
     ConstantForce,

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erf
 
-from vsb.engine.hydro.statespace import partial_fractions, vector_fit
+from vsb.engine.hydro.radiation import partial_fractions, vector_fit
 from vsb.engine.motion.causal import Controlled, StationaryPort
 from vsb.errors import StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.motion.controller import Controller
 from vsb.engine.motion.froude_krylov import Incident, scaled, wave_forces
 from vsb.engine.motion.wetted import WetShell

@@ -20,7 +20,7 @@ from vsb.engine.hydro.database import Coefficients, transformed, with_history
 from vsb.engine.hydro.formats.common import DRY, Structure, structure
 from vsb.engine.hydro.orders import Directions, heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.engine.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.frequency import LinearEquation, softest, unrestrained_motions
 from vsb.engine.motion.port import LinearPto, Port

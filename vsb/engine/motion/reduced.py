@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from vsb.engine.hydro.labels import is_rigid
 from vsb.engine.hydro.orders import order_groups
+from vsb.engine.hydro.variables import is_rigid
 from vsb.engine.motion.linear import LinearSystem
 from vsb.tools.arrays import ComplexArray, FloatArray
 

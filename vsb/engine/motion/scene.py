@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from vsb.engine.hydro.dofs import flexible
-from vsb.engine.hydro.statespace import RadiationModel, joined
+from vsb.engine.hydro.radiation import RadiationModel, joined
 from vsb.engine.motion.forces import (
     ConstantForce,
     EndStop,

@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.engine.hydro.labels import ROTATIONS, motion_of
+from vsb.engine.hydro.variables import ROTATIONS, motion_of
 from vsb.keys.meanings import KEYS
 from vsb.keys.quantities import Brief, Colatitude, Finite, Name, NonNegative, Number, Positive, Section, within
 from vsb.keys.reading import nearest

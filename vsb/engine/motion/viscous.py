@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.motion.forces import Force, Linear
 from vsb.engine.shell.device import MaxwellBranch
 from vsb.tools.arrays import FloatArray

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise, permutations
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
+import xarray as xr
 from scipy.spatial import cKDTree
 
 from vsb.engine.hydro.bodies.mesh import (
@@ -31,10 +32,41 @@ from vsb.engine.hydro.bodies.mesh import (
     text_of,
     without_thickness,
 )
-from vsb.engine.hydro.bodies.sections import Beam
-from vsb.engine.hydro.labels import RIGID, body_of
+from vsb.engine.hydro.variables import RIGID, body_of
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray, IntArray
+
+
+class Sections(NamedTuple):
+    """Motion of the sections that points (..., xyz) lie in: psi = shift + turn x rho."""
+
+    shift: FloatArray  # T (..., xyz) [-]
+    turn: FloatArray  # omega (..., xyz) [1/m]
+    stretch: FloatArray  # dT/ds (..., xyz) [1/m]
+    bend: FloatArray  # d omega/ds (..., xyz) [1/m^2]
+
+    def displacement(self, rho: FloatArray) -> FloatArray:
+        """Return psi at places across the axis, shape (..., xyz)."""
+        return np.asarray(self.shift + np.cross(self.turn, rho))
+
+    def strain(self, rho: FloatArray, axis: int) -> FloatArray:
+        """Return the strain along the axis at places across it, shape (...) [1/m]."""
+        return np.asarray((self.stretch + np.cross(self.bend, rho))[..., axis])
+
+
+class TurningField(Protocol):
+    """A displacement of one part of a body whose sections or pieces rotate."""
+
+    def sections(self, points: FloatArray, axis: int) -> Sections:
+        """Return the motion at points of each of the part's triangles, shape (triangle, n, xyz)."""
+
+
+class Beam(NamedTuple):
+    """A displacement known to be that of a beam: its axis, 0 or 1, and the motion of its sections."""
+
+    axis: int
+    field: TurningField
+
 
 PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""
@@ -241,8 +273,14 @@ def _check_panels(body: FlexibleBody) -> None:
         raise ConfigError(
             f"mesh: encloses {body.volumes.max():.4g} m^3; needs normals that point into the water: flip them"
         )
-    if len(body.gaps.open):
-        _check_thickness(body)
+    if len(body.gaps.open):  # plates without thickness and walls inside are named before what they leave open
+        thin = without_thickness(x, owners(x)[faces], body.part, -AT_SURFACE * body.size)
+        if thin.any():
+            raise ConfigError(
+                f"mesh: {np.count_nonzero(thin)} panels, the first at {text_of(body.centres[thin][0])}, enclose no "
+                "volume: a plate without thickness, which is not solved, or a wall inside the hull; needs the plate "
+                "with its thickness, or the wall deleted"
+            )
     check_closed(body.gaps)
     if np.ptp(body.volumes) > CLOSED * body.volumes.max():
         raise ConfigError(
@@ -265,29 +303,6 @@ def bed_below(vertices: FloatArray, depth: float) -> float:
     return -depth if draught >= depth - tolerance else -np.inf
 
 
-def _check_on_the_bed(body: FlexibleBody) -> None:
-    """A hull that stands on the sea bed is sealed to it: what lifts its foot lets the water in."""
-    foot = body.vertices[:, 2] <= body.bed
-    for label, shape in zip(body.labels, body.shapes, strict=True):
-        if np.abs(shape[foot, 2]).max(initial=0.0) > RIGID_TO * np.abs(shape).max():
-            raise ConfigError(
-                f"modes: {label} lifts the foot of a hull that stands on the sea bed, at z = {body.bed:g} m; needs "
-                "motions along the bed (Surge, Sway, Yaw, or a file of displacements whose foot keeps its height); of "
-                "a flap on a hinge the hull above the hinge, closed below"
-            )
-
-
-def _check_thickness(body: FlexibleBody) -> None:
-    """Plates without thickness and walls inside are named before what they leave open."""
-    corners = owners(body.vertices)[body.faces]
-    if (thin := without_thickness(body.vertices, corners, body.part, -AT_SURFACE * body.size)).any():
-        raise ConfigError(
-            f"mesh: {np.count_nonzero(thin)} panels, the first at {text_of(body.centres[thin][0])}, enclose no volume: "
-            "a plate without thickness, which is not solved, or a wall inside the hull; needs the plate with its "
-            "thickness, or the wall deleted"
-        )
-
-
 def _check_modes(body: FlexibleBody) -> None:
     """Every degree of freedom needs a name of its own, a finite shape, and rows in the matrices."""
     n = len(body.labels)
@@ -306,7 +321,14 @@ def _check_modes(body: FlexibleBody) -> None:
             raise ConfigError(f"{name}: holds NaN or infinite values; needs finite ones")
         if name in symmetric and np.abs(values - values.swapaxes(0, 1)).max() > 1e-9 * np.abs(values).max():
             raise ConfigError(f"{name}: not symmetric; needs a symmetric matrix")
-    _check_on_the_bed(body)
+    foot = body.vertices[:, 2] <= body.bed  # sealed to the sea bed: what lifts it lets the water in
+    for label, shape in zip(body.labels, body.shapes, strict=True):
+        if np.abs(shape[foot, 2]).max(initial=0.0) > RIGID_TO * np.abs(shape).max():
+            raise ConfigError(
+                f"modes: {label} lifts the foot of a hull that stands on the sea bed, at z = {body.bed:g} m; needs "
+                "motions along the bed (Surge, Sway, Yaw, or a file of displacements whose foot keeps its height); of "
+                "a flap on a hinge the hull above the hinge, closed below"
+            )
     flux = np.abs(np.einsum("ipx,px->ip", body.modes, body.vector_areas)).max(axis=1)
     flux /= np.linalg.norm(body.vector_areas, axis=1).max()
     for label, moved, shape in zip(body.labels, flux, body.modes, strict=True):
@@ -461,3 +483,42 @@ def rigid_misfit(body: FlexibleBody) -> float:
         misfit = misfit - misfit.mean(axis=0) if k >= 3 else misfit
         worst = max(worst, float(np.abs(misfit).max() / np.abs(unit).max()))
     return worst
+
+
+OUTLINE = "outline"
+"""Variable of a database with the lines, shape (line, end, xyz) [m]."""
+DISPLACED = "outline_displacement"
+"""Variable with their displacement per unit amplitude of each degree of freedom."""
+
+
+def cut(body: FlexibleBody) -> xr.Dataset:
+    """Return the lines in which the plane y = const through the middle of each separate part cuts the panels.
+
+    `OUTLINE`, shape (line, end, xyz) [m], and `DISPLACED`, shape (influenced_dof, line, end, xyz) [-], linear in every
+    half of a panel, as displacements of panels are.
+    """
+    place, moved = body.triangles.corner, body.triangles.moved
+    y, part = place[..., 1], np.concatenate([body.part, body.part])
+    middle = np.array([(y[part == p].min() + y[part == p].max()) / 2 for p in range(body.part_count)])[part, None]
+    beyond = y > middle
+    crossed = np.flatnonzero(beyond.any(axis=1) & ~beyond.all(axis=1))
+    single = beyond[crossed].sum(axis=1) == 1  # the corner beyond, or the one short of the plane, is alone
+    alone = np.where(single, beyond[crossed].argmax(axis=1), beyond[crossed].argmin(axis=1))
+    ends = np.stack([(alone + 1) % 3, (alone + 2) % 3], axis=1)
+    start, from_y = alone[:, None], (y - middle)[crossed]
+    near, far = (np.take_along_axis(from_y, which, axis=1) for which in (start, ends))
+    share = near / (near - far)  # (line, end): how far the plane is from the corner alone to each of the others
+
+    def between(values: np.ndarray) -> np.ndarray:
+        """Values of corners, (..., triangle, 3, xyz), on the lines."""
+        held, rows = values[..., crossed, :, :], np.arange(len(crossed))[:, None]
+        first, second = held[..., rows, start, :], held[..., rows, ends, :]
+        return np.asarray(first + share[..., None] * (second - first))
+
+    lines = between(place)
+    there = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 1e-9 * body.size
+    dims = ("line", "end", "xyz")
+    return xr.Dataset(
+        {OUTLINE: (dims, lines[there]), DISPLACED: (("influenced_dof", *dims), between(moved)[:, there])},
+        {"influenced_dof": list(body.labels)},
+    )

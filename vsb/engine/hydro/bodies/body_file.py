@@ -1,22 +1,96 @@
-"""A body file: mesh, modes, water, frequencies of a body that is solved on panels."""
+"""A body file: mesh, modes, water, frequencies of a body that is solved on panels, and what that costs. Pure Python.
+
+`build` meshes plain hulls. The matrices of a frequency grow with the square of the number of panels. That number is
+known of plain hulls and of GDF files, and bounded by the size of other mesh files. Nothing is read but a header:
+Snakemake asks at every parse.
+"""
 
 import math
+import os
 from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple, Self
 
-from pydantic import (
-    Discriminator,
-    Field,
-    Tag,
-    field_validator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
-from vsb.engine.hydro.bodies.plain_hulls import BoxHull, CapsuleHull, CylinderHull, PlacedMesh, SphereHull
-from vsb.engine.hydro.labels import RIGID
-from vsb.engine.hydro.panel_solver import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.engine.hydro.panels import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.engine.hydro.variables import RIGID
 from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Count, Finite, Name, NonNegative, Number, Positive, Section
+from vsb.tools.units import parsed_unit
+
+
+class PlacedMesh(Brief):
+    """A mesh file: its unit of length, or what its lengths are multiplied by to be metres, and how the hull lies."""
+
+    BRIEF = ("scale", "unit", "up", "draft")
+    file: str
+    scale: Positive = 1.0
+    unit: Literal["m", "mm", "cm", "km", "in", "ft"] = "m"
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"  # axis of the file that points upwards
+    draft: Positive | None = None  # depth of the lowest point below still water [m]; none: as the file has it
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if self.scale != 1 and self.unit != "m":
+            raise ValueError(f"unit: received {self.unit} and scale {self.scale:g}; needs one of them")
+        return self
+
+    @property
+    def metres(self) -> float:
+        """Length of the unit of the file [m]."""
+        return self.scale * float(parsed_unit(self.unit).factor)
+
+
+class Hull(Section):
+    """A plain hull on the z axis whose lowest point lies `draft` [m] below still water, in panels of a size [m]."""
+
+    draft: Positive
+    panel: Annotated[Number, Field(ge=1e-3)]
+
+
+class SphereHull(Hull):
+    """A sphere."""
+
+    kind: Literal["sphere"]
+    radius: Positive
+
+    @property
+    def height(self) -> float:
+        """From the lowest point to the highest [m]."""
+        return 2 * self.radius
+
+
+class CylinderHull(Hull):
+    """An upright cylinder."""
+
+    kind: Literal["cylinder"]
+    radius: Positive
+    height: Positive
+
+
+class CapsuleHull(Hull):
+    """An upright cylinder between two hemispheres, of a height over all."""
+
+    kind: Literal["capsule"]
+    radius: Positive
+    height: Positive
+
+    @model_validator(mode="after")
+    def _with_ends(self) -> Self:
+        if self.height < 2 * self.radius:
+            raise ValueError(f"height {self.height:g} m: needs at least that of its two ends, {2 * self.radius:g} m")
+        return self
+
+
+class BoxHull(Hull):
+    """A box, its length along x, its width along y."""
+
+    kind: Literal["box"]
+    length: Positive
+    width: Positive
+    height: Positive
+
 
 PHYSICS = 4
 """Hand-bumped version of the physics behind a block."""
@@ -114,8 +188,7 @@ def _mass_kind(value: object) -> str:
 
 
 Mass = Annotated[
-    Annotated[Literal["displaced"], Tag("displaced")] | Annotated[Positive, Tag("number")],
-    Discriminator(_mass_kind),
+    Annotated[Literal["displaced"], Tag("displaced")] | Annotated[Positive, Tag("number")], Discriminator(_mass_kind)
 ]
 """A mass [kg], or that of the water displaced."""
 
@@ -266,3 +339,77 @@ class BodyFile(Brief):
 
 WAMIT = (".1", ".3", ".2", ".hst", ".3fk", ".3sc", ".mmx")
 """WAMIT's files of one run; `.1`, `.3` (or `.2`) and `.hst` must be there."""
+
+
+# Cost
+
+GIGABYTES, SECONDS = 6.3e-8, 6.5e-7
+"""Of a frequency on one core, per squared number of panels; measured with 3200 panels."""
+_IN_FINITE_DEPTH = 5.0  # times as long at most
+_FURTHER = 4.0  # times as long as the frequencies on a quick core: fewer panels for the error, lids, slower cores
+_LEAST_MEGABYTES, _LEAST_MINUTES = 1500, 30
+_UNKNOWN = 8000  # panels
+_MOST = 60_000  # panels; beyond, `solution` refuses the body or its symmetry decides
+_HEADER = 4  # lines of a GDF: title, ULEN GRAV, ISX ISY, NPAN
+_BYTES = {".stl": 50, ".nc": 56}
+"""Of a panel at least: a binary STL has 50 of a triangle, netCDF four corners and one vertex."""
+_TEXT_BYTES = 40  # a vertex and four numbers in text
+_OF_DISPLACEMENTS = 6 * 24  # bytes of a vertex in netCDF that holds six displacements at least
+
+
+class Resources(NamedTuple):
+    """What a job asks a cluster for."""
+
+    megabytes: int
+    minutes: int
+
+
+def hull_panel_count(hull: SphereHull | CylinderHull | CapsuleHull | BoxHull) -> float:
+    """Return about how many panels the wetted part of a plain hull has; rows have as many all along a meridian."""
+    depth = hull.draft
+    if isinstance(hull, BoxHull):
+        area = hull.length * hull.width + 2 * (hull.length + hull.width) * depth
+        return 1.3 * area / hull.panel**2 + 16
+    r = hull.radius
+    if isinstance(hull, CylinderHull):
+        meridian = r + depth
+    else:  # a capsule's lower end is a sphere's
+        sphere = depth if isinstance(hull, SphereHull) else min(depth, r)
+        meridian = r * math.acos(1 - min(sphere / r, 2.0)) + depth - sphere
+    return 1.2 * 2 * math.pi * r * meridian / hull.panel**2 + 16
+
+
+def panel_count(file: BodyFile, paths: Mapping[str, str]) -> float:
+    """Return about how many panels a body has at most; `paths` are those of its files, by key."""
+    if file.hull:
+        return hull_panel_count(file.hull)
+    path = paths.get("mesh", "")
+    if not os.path.isfile(path):
+        return _UNKNOWN
+    suffix = Path(path).suffix.lower()
+    if suffix == ".gdf" and (found := _of_gdf(path)):
+        return found
+    each, size = _BYTES.get(suffix, _TEXT_BYTES), os.path.getsize(path)
+    if suffix == ".nc" and file.rigid_motions is None and paths.get("modes") == path:
+        each += _OF_DISPLACEMENTS
+    return size / each
+
+
+def _of_gdf(path: str) -> int | None:
+    """Panels of a GDF with its mirrored parts; none if its header is not that."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as stream:
+            lines = [stream.readline(1000) for _ in range(_HEADER)]
+        isx, isy = (int(word) for word in lines[2].split()[:2])
+        mirrored = (isx == 1) + (isy == 1)
+        return int(lines[3].split()[0]) << mirrored
+    except (OSError, ValueError, IndexError):
+        return None
+
+
+def solve_resources(file: BodyFile, paths: Mapping[str, str]) -> Resources:
+    """Return the memory and the time a job that solves a body asks for, frequencies one after the other."""
+    squared = min(panel_count(file, paths), _MOST) ** 2
+    slower = _FURTHER * (1.0 if math.isinf(file.water.depth) else _IN_FINITE_DEPTH)
+    minutes = slower * SECONDS * squared * (len(file.omega) + 1) / 60
+    return Resources(_LEAST_MEGABYTES + math.ceil(1e3 * GIGABYTES * squared), _LEAST_MINUTES + math.ceil(minutes))

@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from vsb.engine.hydro.panels.rings import immersed_panels
+from vsb.engine.hydro.panels.bem import immersed_panels
 from vsb.errors import ConfigError
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
@@ -310,13 +310,9 @@ def turned_outward(vertices: FloatArray, faces: IntArray) -> IntArray:
     flux = ((corner.mean(axis=2) - centre[part]) * area)[..., :2].sum(axis=(0, 2)) * sign
     outward = np.sign(np.where(is_open, np.bincount(part, sign), np.bincount(part, flux)))
     turned = (sign * outward[part] < 0) & ~fixed
-    return np.where(turned[:, None], reversed_panels(faces), faces)
-
-
-def reversed_panels(faces: IntArray) -> IntArray:
-    """Return panels with opposite normals; triangles still repeat their last corner."""
-    triangle = (faces[:, 2] == faces[:, 3])[:, None]
-    return np.asarray(np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]]))
+    triangle = (faces[:, 2] == faces[:, 3])[:, None]  # which still repeats its last corner
+    opposite = np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]])
+    return np.where(turned[:, None], opposite, faces)
 
 
 def check_closed(found: Gaps) -> None:
@@ -360,7 +356,7 @@ def without_thickness(vertices: FloatArray, corners: IntArray, part: IntArray, s
     below = (vertices[edges][..., 2] < surface).any(axis=1)
     at, every = count[place.ravel()], np.arange(part.max() + 1)
     free, crowded = (np.unique(part[panel[below & found]]) for found in (at == 1, at > 2))
-    thin = [p for p in every if p in crowded or _is_flat(vertices[corners[part == p]])]
+    thin = [p for p in every if p in crowded or flatness(vertices[corners[part == p]]) <= AT_SURFACE]
     thin.sort(key=lambda p: int(np.count_nonzero(part == p)))
     tried = [[p for p in thin if p in free], *([p] for p in thin)]
     for some in tried[:_MOST_TRIED]:
@@ -372,11 +368,11 @@ def without_thickness(vertices: FloatArray, corners: IntArray, part: IntArray, s
     return np.zeros(len(corners), dtype=bool)
 
 
-def _is_flat(corner: FloatArray) -> bool:
-    """Whether points lie in a plane, shape (..., xyz)."""
+def flatness(corner: FloatArray) -> float:
+    """Return the least extent of points, shape (..., xyz), over the largest; zero if they lie in a plane [-]."""
     points = corner.reshape(-1, 3)
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    return bool(spread[2] <= AT_SURFACE * spread[0])
+    return float(spread[2] / spread[0])
 
 
 # Rigid motions of points

@@ -22,7 +22,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from vsb.engine.hydro.bodies.mesh import check_finite, text_of, triangulated
-from vsb.engine.hydro.panels.rings import read_panels
+from vsb.engine.hydro.panels.bem import read_panels
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import bounded_reading, reason_of
@@ -113,7 +113,7 @@ def _read(path: Path, printed: io.StringIO) -> MeshFile:
         return _netcdf(path)
     if suffix == ".gdf":
         return _gdf(path)
-    if form := _capytaine_format(path):
+    if form := "mar" if suffix == ".dat" and _is_nemoh(path) else PANEL_FILES.get(suffix):
         vertices, faces = read_panels(path, form)
         return MeshFile(vertices, faces, _stated_panels(path, form))
     own = {".obj": _obj, ".off": _off}
@@ -306,12 +306,6 @@ def length_unit(mesh: str | Path, gravity: float) -> float:
         f"{path}:2: GRAV: received {found:g}; needs water.gravity, {gravity:g} m/s^2, or that in feet: convert the "
         "mesh to metres"
     )
-
-
-def _capytaine_format(path: Path) -> str | None:
-    """Name of the format of a file that capytaine reads, None for other formats."""
-    suffix = path.suffix.lower()
-    return "mar" if suffix == ".dat" and _is_nemoh(path) else PANEL_FILES.get(suffix)
 
 
 def _is_nemoh(path: Path) -> bool:

@@ -21,18 +21,16 @@ from vsb.engine.hydro.bodies.body import (
     FlexibleBody,
     bed_below,
     check_symmetry,
+    cut,
     detected_symmetry,
     panel_diameters,
     panel_size,
 )
-from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
+from vsb.engine.hydro.bodies.body_file import GIGABYTES, PHYSICS, SECONDS, BodyFile
 from vsb.engine.hydro.bodies.build import build_body
-from vsb.engine.hydro.bodies.cost import GIGABYTES, SECONDS
 from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.engine.hydro.bodies.lid import first_irregular_frequency, interior_lid
 from vsb.engine.hydro.bodies.mesh import rotation_centre
-from vsb.engine.hydro.bodies.outline import cut
-from vsb.engine.hydro.bodies.solver import BodyProblem, unit_wave
+from vsb.engine.hydro.bodies.solver import BodyProblem, first_irregular_frequency, interior_lid, unit_wave
 from vsb.engine.hydro.bodies.verdict import (
     BELOW_IRREGULAR,
     Block,
@@ -46,11 +44,9 @@ from vsb.engine.hydro.bodies.verdict import (
     verdict,
 )
 from vsb.engine.hydro.database import ESTIMATE, Check, as_json, with_excitation, with_symmetrized
-from vsb.engine.hydro.labels import ROTATIONS
-from vsb.engine.hydro.panel_solver import panel_solver
-from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels import bem, panel_solver
 from vsb.engine.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, joined, on_grid
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.variables import PAIR, ROTATIONS
 from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.keys.quantities import Section, canonical, content_id
@@ -307,18 +303,9 @@ def swept(
     tolerance: float | None,
     measure: Measure,
 ) -> Swept:
-    """Return coefficients at frequencies from as few solves as a tolerance allows (`hydro.sweep`), else from all.
+    """Return coefficients at ascending frequencies from as few solves as a tolerance allows (`hydro.sweep`), else all.
 
-    Parameters
-    ----------
-    solve : callable
-        Block of one frequency [rad/s].
-    froude_krylov : callable
-        Froude-Krylov force of frequencies, shape (omega, direction, dof) [N/m].
-    omega : sequence of float [rad/s]
-        Ascending.
-    tolerance : float [-] or None
-        Of the interpolation, as `error`.
+    `solve` gives the block of one frequency, `froude_krylov` the force of some, shape (omega, direction, dof) [N/m].
     """
     if tolerance is None:
         blocks = [solve(w) for w in omega]
@@ -385,3 +372,41 @@ def _database(
         error = stiffness_error(body, stiffness, found.resolution_ratio, water.density, water.gravity)
         complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": ((ESTIMATE, *PAIR), error)}))
     return complete.assign_attrs(ds.attrs, **attrs)
+
+
+REFINABLE = ("error_estimate", "far_field", "haskind", "symmetry", "panels", "lid")
+"""Checks whose failure smaller panels may mend."""
+MOST_GIGABYTES, MOST_SECONDS = 1.0, 120.0
+"""Memory of a frequency, and time of all on one core, that a refinement may take."""
+SMALLEST_STEP, LARGEST_STEP = 0.5, 0.75
+"""Bounds of the size of panels over that before: errors fall with it at least in proportion."""
+
+
+def refined_file(file: BodyFile, body: FlexibleBody, checks: Sequence[Check]) -> BodyFile | None:
+    """Return a body file with panels small enough for its failed checks; None where none, or no affordable ones, help.
+
+    A hull is meshed anew, panels of a mesh file are divided. Panels with displacements of their own stay, and where
+    irregular frequencies are solved without a lid no panels help.
+    """
+    failed = [check for check in checks if check.verdict == "fail"]
+    bare = not file.lid and file.omega[-1] > BELOW_IRREGULAR * first_irregular_frequency(body, file.water.gravity)
+    if not any(check.name in REFINABLE for check in failed) or file.rigid_motions is None or bare:
+        return None
+    wanted = min(0.8 * check.limit / check.value for check in failed if check.name in REFINABLE)
+    factor = min(max(wanted, SMALLEST_STEP), LARGEST_STEP)
+    squared = (len(body.faces) / factor**2) ** 2
+    if GIGABYTES * squared > MOST_GIGABYTES or SECONDS * squared * len(file.omega) > MOST_SECONDS:
+        return None
+    if file.hull is not None:
+        hull = file.hull.model_copy(update={"panel": factor * file.hull.panel})
+        return file.model_copy(update={"mesh": hull})
+    longest = file.panel or float(panel_diameters(body).max() / np.sqrt(2))
+    return file.model_copy(update={"panel": factor * longest})
+
+
+def history_of(file: BodyFile, finer: BodyFile, checks: Sequence[Check]) -> str:
+    """Return what a refinement changes and why, for the history of a database."""
+    failed = ", ".join(f"{check.name} {check.value:.3g}" for check in checks if check.verdict == "fail")
+    before, after = (each.hull.panel if each.hull else each.panel for each in (file, finer))
+    sizes = f"to {after or np.nan:.3g} m" + (f" from {before:.3g} m" if before else "")
+    return f"panels made smaller, {sizes}, because of {failed}"

@@ -24,11 +24,15 @@ from vsb.engine.hydro.bodies.body import (
     rigid_misfit,
 )
 from vsb.engine.hydro.bodies.body_file import BodyFile
-from vsb.engine.hydro.bodies.coarsening import coarser_body
 from vsb.engine.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
-from vsb.engine.hydro.bodies.lid import encloses_water, first_irregular_frequency, gap_resonance
 from vsb.engine.hydro.bodies.mesh import at_centres, text_of
-from vsb.engine.hydro.bodies.solver import BodyProblem
+from vsb.engine.hydro.bodies.solver import (
+    BodyProblem,
+    coarser_body,
+    encloses_water,
+    first_irregular_frequency,
+    gap_resonance,
+)
 from vsb.engine.hydro.database import ESTIMATE, Check, Rule, with_excitation
 from vsb.engine.hydro.sweep import apart, joined
 from vsb.engine.hydro.variables import PAIR
@@ -251,8 +255,9 @@ def _in_units(ds: xr.Dataset, size: FloatArray) -> dict[str, npt.NDArray[np.inex
 def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
     inside = resonances(body, found.solved, size)
-    apart_from = [block for block in found.solved if not any(_is_around(block, one) for one in inside)]
-    solved = apart_from or found.solved
+    places = [float(block.own.omega[0]) for block in found.solved]
+    around = [any(abs(omega / one.omega - 1) < _AROUND for one in inside) for omega in places]
+    solved = [block for block, near in zip(found.solved, around, strict=True) if not near] or found.solved
     error = largest_error(solved, infinite, size)
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
     first = first_irregular_frequency(body, study.water.gravity)
@@ -270,11 +275,6 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
     checks.append(_check("one_resolution", 1 - infinite.own.attrs["coarser_share"]))
     checks += [_check(name, max(block.own.attrs[name] for block in solved), cure) for name in _IDENTITIES]
     return [*checks, _check("positive_damping", negative), *mesh_checks(study, body)]
-
-
-def _is_around(block: Block, resonance: Resonance) -> bool:
-    """Whether a block is of a frequency around a resonance."""
-    return abs(float(block.own.omega[0]) / resonance.omega - 1) < _AROUND
 
 
 def _place(error: Error, body: FlexibleBody | None) -> str:

@@ -37,9 +37,8 @@ from vsb.engine.hydro.formats.common import (
     turned_about,
     volume_of,
 )
-from vsb.engine.hydro.labels import body_of
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.radiation import DampingSpectrum
+from vsb.engine.hydro.variables import PAIR, body_of
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import atomic_write, seal
@@ -129,13 +128,7 @@ def _with_structure(ds: xr.Dataset, source: str, modes: list[int]) -> xr.Dataset
 def impulse_times(radius: float, gravity: float) -> FloatArray:
     """Return the 1001 times of the radiation's impulse response, from 0 [s]; the excitation's begin as long before 0.
 
-    Parameters
-    ----------
-    radius : float
-        Of a floating hemisphere of the body's displacement [m], the length scale of its waves and decay.
-
-    Notes
-    -----
+    `radius` is that of a floating hemisphere of the body's displacement [m], the length scale of its waves and decay.
     Steps are the largest 1-2-5 number below 0.23 sqrt(radius/g): 0.1 s, up to 100 s, at a radius of 2 m. The highest
     frequency they resolve is Ka > 180, where no body makes waves.
     """
@@ -154,21 +147,10 @@ def _edges(omega: FloatArray, last: float) -> FloatArray:
 def excitation_response(omega: FloatArray, force: ComplexArray, time: FloatArray) -> FloatArray:
     """Return the impulse response of the excitation, f(t) = (1/pi) int Re(X* e^{i omega t}) d omega.
 
-    Parameters
-    ----------
-    omega : ndarray, shape (omega,) [rad/s]
-    force : ndarray, shape (omega, wave_direction, dof) [N/m]
-        Phasors X as in the database (C1).
-    time : ndarray, shape (time,) [s]
+    From phasors X as in the database (C1), shape (omega, wave_direction, dof) [N/m], to shape (time, wave_direction,
+    dof) [N/(m s)]: the force of an elevation eta at the origin is F(t) = int f(s) eta(t - s) ds. It is not zero before
+    s = 0: waves reach the body before they reach its origin.
 
-    Returns
-    -------
-    ndarray, shape (time, wave_direction, dof) [N/(m s)]
-        The force of an elevation eta at the origin is F(t) = int f(s) eta(t - s) ds. It is not zero before s = 0: waves
-        reach the body before they reach its origin.
-
-    Notes
-    -----
     BEMIO's excitationIRF, from 0 instead of the lowest frequency: the cubic spline includes X(-omega) = X*. Above the
     highest frequency X is zero; at that frequency itself the inverse transform gives half of it.
     """
@@ -324,7 +306,14 @@ def _parts(found: _Entries) -> list[_Part]:
     parts = []
     for group, name in zip(groups, names, strict=True):
         size = found.number(f"/{group}/properties/dof")
-        labels = _labels(found, group, size)
+        if not (size == int(size) and 6 <= size <= LARGEST_MODES):
+            raise DatabaseError(f"{found.source}: holds {size:g} degrees of freedom; needs six rigid and a few more.")
+        stated = found.text(f"/{group}/properties/mode_labels").splitlines()
+        labels = stated or mode_labels(range(1, int(size) + 1))
+        if (last := max(6, *mode_numbers(labels))) != size:
+            raise DatabaseError(
+                f"{found.source}: holds {size:g} degrees of freedom; needs {last} for its mode_labels {labels}."
+            )
         index = np.array(mode_numbers(labels)) - 1
         parts.append(_Part(group, int(size), index, [f"{name}__{label}" if name else label for label in labels]))
     return parts
@@ -369,15 +358,3 @@ def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
             if not name or found.find(f"{place}{key}") is not None:
                 facts[point_of(point, name)] = found.numbers(f"{place}{key}", 3)
     return facts
-
-
-def _labels(found: _Entries, group: str, dof: float) -> list[str]:
-    """Names of the modes of a body in the file, as many as its degrees of freedom."""
-    if not (dof == int(dof) and 6 <= dof <= LARGEST_MODES):
-        raise DatabaseError(f"{found.source}: holds {dof:g} degrees of freedom; needs six rigid and a few more.")
-    labels = found.text(f"/{group}/properties/mode_labels").splitlines() or mode_labels(range(1, int(dof) + 1))
-    if (last := max(6, *mode_numbers(labels))) != dof:
-        raise DatabaseError(
-            f"{found.source}: holds {dof:g} degrees of freedom; needs {last} for its mode_labels {labels}."
-        )
-    return labels

@@ -13,7 +13,7 @@ import xarray as xr
 
 from vsb.engine.hydro.formats.common import WATER, assembled, point_of, readable, volume_of
 from vsb.errors import DatabaseError
-from vsb.tools.arrays import AnyArray, BoolArray, FloatArray
+from vsb.tools.arrays import AnyArray
 from vsb.tools.files import merged
 from vsb.tools.variables import VARIABLES
 
@@ -60,13 +60,6 @@ def _in_plain_types(ds: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(data, coords, ds.attrs)
 
 
-def _failed(ds: xr.Dataset) -> BoolArray:
-    """Frequencies at which all coefficients are NaN, (omega,)."""
-    unknown = [ds[name].isnull().all([dim for dim in ds[name].dims if dim != "omega"]) for name in _SOLVED]
-    found: BoolArray = np.logical_and.reduce([each.values for each in unknown])
-    return found
-
-
 def _by_omega(ds: xr.Dataset, source: str) -> xr.Dataset:
     """The dataset over angular frequencies, whichever quantity its file uses."""
     asked = [name for name in _FREQUENCIES if name in ds.added_mass.dims]
@@ -78,16 +71,14 @@ def _by_omega(ds: xr.Dataset, source: str) -> xr.Dataset:
     if name == "omega":
         return ds
     if "omega" not in ds.coords:
-        ds = ds.assign_coords(omega=(name, _omega(name, ds[name].values, float(ds.g), float(ds.water_depth))))
+        values = ds[name].values
+        if name in ("period", "freq"):
+            omega = 2 * np.pi * (values if name == "freq" else 1 / values)
+        else:
+            k = values if name == "wavenumber" else 2 * np.pi / values
+            omega = np.sqrt(float(ds.g) * k * np.tanh(k * float(ds.water_depth)))
+        ds = ds.assign_coords(omega=(name, omega))
     return ds.swap_dims({name: "omega"})
-
-
-def _omega(name: str, values: FloatArray, gravity: float, depth: float) -> FloatArray:
-    """Angular frequencies of periods, frequencies, wavenumbers or wavelengths."""
-    if name in ("period", "freq"):
-        return np.asarray(2 * np.pi * (values if name == "freq" else 1 / values))
-    k = values if name == "wavenumber" else 2 * np.pi / values
-    return np.asarray(np.sqrt(gravity * k * np.tanh(k * depth)))
 
 
 def _of_one_case(ds: xr.Dataset, source: str) -> xr.Dataset:
@@ -120,7 +111,8 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
     omega = np.asarray(ds.omega.values, dtype=float)
     kept = np.isfinite(omega) & (omega > 0)
     history = [f"read from {Path(source).name}"]
-    failed = kept & _failed(ds)
+    unknown = [ds[name].isnull().all([dim for dim in ds[name].dims if dim != "omega"]) for name in _SOLVED]
+    failed = np.logical_and.reduce([kept, *(each.values for each in unknown)])
     if kept.any() and (failed == kept).all():
         raise DatabaseError(f"{source}: all coefficients are NaN at every frequency; needs some that were solved.")
     if failed.any():

@@ -29,8 +29,8 @@ from vsb.engine.hydro import quality
 from vsb.engine.hydro.database import Check, Rule
 from vsb.engine.hydro.formats import points
 from vsb.engine.hydro.formats.common import rotation_centre, volume_of
-from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, motion_of, of_bodies
-from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.radiation import DampingSpectrum
+from vsb.engine.hydro.variables import RIGID, ROTATIONS, body_of, motion_of, of_bodies
 from vsb.engine.waves.water import haskind_factor, wavenumber
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
@@ -219,17 +219,15 @@ def coefficient_checks(
     found += [phase_check(whole, of_all), _tilt(whole, of_all), _haskind(part, its, axisymmetric)]
     if not found[-1][0]:
         found.append((_ring_waves(whole, of_all), []))
-    found.append((_points(whole, ds, [check for check in found[4][0] if check.verdict != "ok"]), []))
+    left_out: set[str] = set()  # points that forces say only if their phases are right, those of rotations if it turns
+    if any(check.verdict != "ok" for check in found[4][0]):
+        left_out |= {*points.BY_WAVES}
+    if not any(motion_of(str(label)) in ROTATIONS for label in ds.influenced_dof.values):
+        left_out |= {*points.OF_ROTATIONS}
+    found.append(([check for check in points.point_checks(whole) if check.name not in left_out], []))
     notes = [line for _, lines in found for line in lines]
     notes += [] if any(check.name == "displaced_mass" for check in checks) else [_DENSITY]
     return [*checks, *(check for some, _ in found for check in some)], notes
-
-
-def _points(whole: xr.Dataset, ds: xr.Dataset, wrong_phases: list[Check]) -> list[Check]:
-    """Points the file states; those that forces say only if their phases are right, those of rotations if it turns."""
-    turning = any(motion_of(str(label)) in ROTATIONS for label in ds.influenced_dof.values)
-    left_out = {*([] if turning else points.OF_ROTATIONS), *(points.BY_WAVES if wrong_phases else [])}
-    return [check for check in points.point_checks(whole) if check.name not in left_out]
 
 
 def _where(ds: xr.Dataset, error: FloatArray) -> str:
@@ -679,11 +677,7 @@ def _ratios(part: xr.Dataset, damping: FloatArray, known: BoolArray) -> list[Che
 def fitting_depth(ratio: FloatArray, omega: FloatArray, depth: float, gravity: float) -> float | None:
     """Return the depth with which ratios of Haskind's damping to damping would be one, to the limit of `haskind`.
 
-    Parameters
-    ----------
-    ratio : ndarray, shape (entry,) [-]
-        With `depth`.
-    omega : ndarray, shape (entry,) [rad/s]
+    Of ratios with `depth`, shape (entry,) [-], at frequencies, shape (entry,) [rad/s].
     """
     own, limit = haskind_factor(omega, depth, 1.0, gravity), RULES["haskind"].limit
     longest = gravity / float(omega.min()) ** 2

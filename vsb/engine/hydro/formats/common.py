@@ -17,8 +17,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.hydro.database import transformed
-from vsb.engine.hydro.labels import RIGID, ROTATIONS, is_rigid, of_bodies
-from vsb.engine.hydro.variables import PAIR
+from vsb.engine.hydro.variables import PAIR, RIGID, ROTATIONS, is_rigid, of_bodies
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import bounded_reading, reason_of
@@ -137,28 +136,6 @@ def checked(ds: xr.Dataset, source: str, needed: Sequence[str] = ()) -> xr.Datas
     """
     if missing := [name for name in (*WATER, *needed) if name not in ds and name not in ds.attrs]:
         raise DatabaseError(f"{source}: holds no {', '.join(missing)}; needs a complete hydro database.")
-    _check_facts(ds, source)
-    _check_axes(ds, source)
-    check_finite(ds, source)
-    for name, variable in ds.data_vars.items():
-        if np.abs(variable.values).max(initial=0.0) > LARGEST:
-            raise DatabaseError(f"{source}: {name} holds {np.abs(variable.values).max():.3g}; no body has that.")
-    return described(ds)
-
-
-def _check_axes(ds: xr.Dataset, source: str) -> None:
-    """Frequencies finite, ascending, in `RANGE` or zero; headings finite and none twice."""
-    omega, headings = ds.omega.values, ds.wave_direction.values
-    if not (omega.size and np.isfinite(omega).all() and omega[0] >= 0 and np.all(np.diff(omega) > 0)):
-        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs finite, ascending ones, none negative.")
-    if np.any(omega[omega > 0] < RANGE[0]) or omega[-1] > RANGE[1]:
-        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs them from {RANGE[0]:g} to {RANGE[1]:g}.")
-    if not (headings.size and np.isfinite(headings).all() and len(np.unique(headings)) == headings.size):
-        raise DatabaseError(f"{source}: wave directions {np.degrees(headings)} degrees; needs finite ones, none twice.")
-
-
-def _check_facts(ds: xr.Dataset, source: str) -> None:
-    """Water positive and in `RANGE`, displaced volume not negative, centres three finite numbers."""
     for name, unit in zip(WATER, ("kg/m^3", "m/s^2", "m"), strict=True):
         try:
             check_positive(name, float(ds.attrs[name]), unit, infinite=name == "water_depth")
@@ -173,6 +150,18 @@ def _check_facts(ds: xr.Dataset, source: str) -> None:
         centre = np.asarray(ds.attrs.get(name, np.zeros(3)), dtype=float)
         if centre.shape != (3,) or not np.all(np.abs(centre) <= LARGEST):
             raise DatabaseError(f"{source}: {name} {centre} m; needs three finite numbers.")
+    omega, headings = ds.omega.values, ds.wave_direction.values
+    if not (omega.size and np.isfinite(omega).all() and omega[0] >= 0 and np.all(np.diff(omega) > 0)):
+        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs finite, ascending ones, none negative.")
+    if np.any(omega[omega > 0] < RANGE[0]) or omega[-1] > RANGE[1]:
+        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs them from {RANGE[0]:g} to {RANGE[1]:g}.")
+    if not (headings.size and np.isfinite(headings).all() and len(np.unique(headings)) == headings.size):
+        raise DatabaseError(f"{source}: wave directions {np.degrees(headings)} degrees; needs finite ones, none twice.")
+    check_finite(ds, source)
+    for variable, data in ds.data_vars.items():
+        if np.abs(data.values).max(initial=0.0) > LARGEST:
+            raise DatabaseError(f"{source}: {variable} holds {np.abs(data.values).max():.3g}; no body has that.")
+    return described(ds)
 
 
 def assembled(source: str, axes: tuple[Any, Any, Any], variables: dict[str, Any], attrs: dict[str, Any]) -> xr.Dataset:

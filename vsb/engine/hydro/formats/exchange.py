@@ -1,6 +1,6 @@
 """Any hydro database read from any file, with its verdict, and written as files of other codes."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -75,23 +75,6 @@ def source_checks(ds: xr.Dataset, dofs: Sequence[str] | None = None) -> tuple[li
     return (stored_checks(ds), []) if "quality" in ds.attrs else coefficient_checks(ds, dofs=dofs)
 
 
-def _contents(ds: xr.Dataset, source: str, form: str) -> dict[str, Any]:
-    """What files of a format hold, by their endings."""
-    return wamit_texts(ds, source) if form == "wamit" else {".h5": bemio_entries(ds, source)}
-
-
-def _written(contents: Mapping[Path, Any], inputs: Collection[str | Path]) -> list[Path]:
-    """Write files, none if one of them may not be, and return their paths."""
-    for path in contents:
-        check_output(path, inputs, "BEMIO file" if path.suffix == ".h5" else "WAMIT file")
-    for path, content in contents.items():
-        if isinstance(content, str):
-            write_text(path, content)
-        else:
-            write_h5(content, path)
-    return list(contents)
-
-
 def exported(
     path: str | Path, folder: str | Path, name: str, expected_id: str | None = None, inputs: Collection[str | Path] = ()
 ) -> list[str]:
@@ -107,14 +90,23 @@ def exported(
     missing: list[str] = []
     for form in FORMATS:
         try:
-            found = _contents(ds, str(path), form)
+            found: dict[str, Any] = (
+                dict(wamit_texts(ds, str(path))) if form == "wamit" else {".h5": bemio_entries(ds, str(path))}
+            )
         except DatabaseError as error:
             missing.append(f"no {'.h5' if form == 'bemio' else 'WAMIT files'}: {error}")
         else:
             contents |= {Path(folder, f"{name}{ending}"): content for ending, content in found.items()}
     if not contents:
         raise DatabaseError("; ".join(text.removesuffix(".") for text in missing))
-    files = _written(contents, inputs)
+    for file in contents:
+        check_output(file, inputs, "BEMIO file" if file.suffix == ".h5" else "WAMIT file")
+    for file, content in contents.items():
+        if isinstance(content, str):
+            write_text(file, content)
+        else:
+            write_h5(content, file)
+    files = list(contents)
     if files[0].suffix == ".1":
         known = {"-1": "added_mass_zero" in ds or float(ds.omega[0]) == 0, "0": "added_mass_inf" in ds}
         lines = [f"{files[0]}: without lines PER = {per}, whose added mass {path} does not hold" for per in known]

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.linalg import block_diag
 
 from vsb.engine.hydro.formats.common import WATER, assembled, body_names, point_of, volume_of, whole_lines
-from vsb.engine.hydro.labels import RIGID
+from vsb.engine.hydro.variables import RIGID
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import read_bounded

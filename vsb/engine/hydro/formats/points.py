@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.engine.hydro.database import Check, Rule
 from vsb.engine.hydro.formats.common import point_of, rotation_centre, volume_of
-from vsb.engine.hydro.labels import RIGID, ROTATIONS, motion_of, of_bodies
+from vsb.engine.hydro.variables import RIGID, ROTATIONS, motion_of, of_bodies
 from vsb.engine.waves.water import wavenumber
 from vsb.tools.arrays import ComplexArray, FloatArray
 
@@ -78,13 +78,7 @@ class _Single(NamedTuple):
 
 
 def point_checks(ds: xr.Dataset) -> list[Check]:
-    """Return the checks of the points a database states, as far as it holds what they follow from.
-
-    Parameters
-    ----------
-    ds : xarray.Dataset
-        Of positive frequencies, with the attributes of `common.point_of`.
-    """
+    """Return the checks of the points a database of positive frequencies states, as far as they follow from it."""
     found = []
     for body in _bodies(ds):
         found += [*_in_waves(ds, body), *_at_rest(ds, body), *_placed(ds, body)]

@@ -146,7 +146,8 @@ class SpectralProblem:
             froude_krylov = self.gravity * (self.onto @ incident[: self.meridian.count])
             radiated, total = forces[:, :-1], self.gravity * forces[:, -1]
             self._columns[omega] = radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov
-        return solved_dataset(omegas, self.displacements, [self._columns[omega] for omega in omegas])
+        labels = [each.label for each in self.displacements]
+        return solved_dataset(omegas, labels, [self._columns[omega] for omega in omegas])
 
     def potentials(self, omegas: list[float]) -> ComplexArray:
         """Return the potentials at the nodes at positive, finite frequencies, shape (omega, node, displacement + 1).

@@ -1,4 +1,10 @@
-"""State-space radiation model that is passive by construction, and its fit with the single channel of a round body.
+"""Radiation memory: transforms of damping over frequency, and the passive state space of a round body's one channel.
+
+The damping is a cubic spline through the solved frequencies and through B(0) = 0 (B ~ omega^3 in deep water, omega in
+finite depth), continued above the band as omega^-3, the decay of a body that meets the surface at a right angle. All
+that follows from it is linear in the values at the solved frequencies: a sum with weights that all motions share.
+
+A state space that is passive by construction is
 
     x' = A x + G v,   f = -G^T x,   A = J - L L^T/2,   J = -J^T:
 
@@ -12,6 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.linalg import (
     block_diag,
     cho_factor,
@@ -22,46 +29,107 @@ from scipy.linalg import (
     solve_continuous_lyapunov,
     solve_triangular,
 )
+from scipy.special import exp1
 
-from vsb.engine.hydro.retardation import DampingSpectrum
-from vsb.errors import ConvergenceError, StabilityError
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 _STEPS = 200  # of the least squares
 _ENOUGH = 1e-3  # gain of a step, in terms of what is left, that ends them
 _ROUND_OFF = 1e-13  # least damping of a step, in terms of the largest entry of the normal equations
+_NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
+_TAIL_NODE, _TAIL_WEIGHT = np.polynomial.legendre.leggauss(24)
 
 
-def levenberg_marquardt(
-    residual: Callable[[FloatArray], FloatArray],
-    jacobian: Callable[[FloatArray], FloatArray],
-    x: FloatArray,
-    enough: float = 0.0,
-    gain: float = _ENOUGH,
-) -> FloatArray:
-    """Return where a sum of squares is least, or no more than enough, from a start; damped as Nielsen (1999) does.
+@dataclass(frozen=True)
+class DampingSpectrum:
+    """Radiation damping as a function of frequency, and its transforms."""
 
-    A step that gains less than a part `gain` of what is left ends the search. The normal equations are solved: with
-    damping they stand a Jacobian without full rank.
-    """
-    r, j = residual(x), jacobian(x)
-    damping, growth = 1e-3 * float((j**2).sum(axis=0).max()), 2.0
-    for _ in range(_STEPS):
-        slope, square = j.T @ r, j.T @ j
-        damping = max(damping, _ROUND_OFF * float(np.diag(square).max()))
-        step = -cho_solve(cho_factor(square + damping * np.eye(len(x))), slope)
-        moved = residual(x + step)
-        gained, promised = r @ r - moved @ moved, step @ (damping * step - slope)
-        if gained > 0:
-            x, r, j = x + step, moved, jacobian(x + step)
-            damping, growth = damping * max(1 / 3, 1 - float(2 * gained / promised - 1) ** 3), 2.0
-            if gained < gain * (r @ r) or r @ r <= enough:
-                break
-        elif promised < gain * (r @ r):
-            break
-        else:
-            damping, growth = damping * growth, 2 * growth
-    return x
+    omega: FloatArray  # solved frequencies, ascending, (omega,) [rad/s]
+    damping: FloatArray  # (omega, dof, dof) [kg/s]
+
+    def __post_init__(self) -> None:
+        """Check that all values are finite."""
+        if not (np.isfinite(self.omega).all() and np.isfinite(self.damping).all()):
+            raise DatabaseError("radiation damping: received NaN or infinite values; solve these frequencies again.")
+
+    @property
+    def diagonal(self) -> "DampingSpectrum":
+        """The spectrum of each motion by itself, its damping of shape (omega, dof)."""
+        return DampingSpectrum(self.omega, np.einsum("wii->wi", self.damping))
+
+    def combined(self, combinations: FloatArray) -> "DampingSpectrum":
+        """Return the spectrum of combinations of the motions, shape (dof, combination)."""
+        return DampingSpectrum(self.omega, combinations.T @ self.damping @ combinations)
+
+    @cached_property
+    def _quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gauss points within every spline interval: frequencies, weights, shares of the solved values there."""
+        edges = np.append(0.0, self.omega)
+        half = np.diff(edges)[:, None] / 2
+        nodes = ((edges[:-1] + edges[1:])[:, None] / 2 + half * _NODE).ravel()
+        return nodes, (half * _WEIGHT).ravel(), self.shares(nodes)
+
+    @cached_property
+    def _unit(self) -> CubicSpline:
+        """Cubic splines over [0, omega_max], each one at one solved frequency and zero at the others and at 0."""
+        count = len(self.omega)
+        ones, flat = np.eye(count + 1)[:, 1:], np.zeros(count)
+        return CubicSpline(np.append(0.0, self.omega), ones, bc_type=("not-a-knot", (2, flat)))
+
+    def shares(self, omega: FloatArray) -> FloatArray:
+        """Return the shares of the solved values in the damping at any frequency, shape (omega, solved) [-]."""
+        top = self.omega[-1]
+        fall = np.minimum(1.0, top / np.maximum(omega, 1e-12)) ** 3
+        return np.asarray(self._unit(np.minimum(omega, top)) * fall[:, None])
+
+    def kernel(self, time: FloatArray) -> FloatArray:
+        """Return the retardation kernel K(t) = (2/pi) int B cos(omega t) d omega, shape (time, dof, dof) [kg/s^2].
+
+        Eight Gauss points per interval are exact to round-off up to t = 10/(frequency step). The tail integral is a
+        generalized exponential integral, int_W^inf cos(wt) w^-3 dw = Re E_3(iWt)/W^2.
+        """
+        nodes, weights, shares = self._quadrature
+        top = self.omega[-1]
+        rows = np.cos(np.outer(time, nodes)) @ (weights[:, None] * shares)
+        rows[:, -1] += np.real(_e3(1j * top * time)) * top
+        return np.asarray(2 / np.pi * np.tensordot(rows, self.damping, 1))
+
+    def added_mass_shares(self, omega: FloatArray) -> FloatArray:
+        """Return the weights of the solved damping in A(omega) - A(infinity) by Kramers-Kronig, (omega, solved) [s].
+
+        -(2/pi) PV int B(v)/(omega^2 - v^2) dv, with the singularity taken out: PV int dv/(omega^2 - v^2) = 0.
+        """
+        nodes, weights, shares = self._quadrature
+        top = self.omega[-1]
+        u = 0.5 * (_TAIL_NODE + 1)  # v = top/u beyond the band
+        beyond, beyond_weight = top / u, 0.5 * _TAIL_WEIGHT * top / u**2
+        within = weights / (omega[:, None] ** 2 - nodes**2)
+        above = beyond_weight / (omega[:, None] ** 2 - beyond**2)
+        rows = within @ shares - (within.sum(axis=1) + above.sum(axis=1))[:, None] * self.shares(omega)
+        rows[:, -1] += above @ u**3
+        return np.asarray(-2 / np.pi * rows)
+
+    def added_mass_difference(self, omega: FloatArray) -> FloatArray:
+        """Return A(omega) - A(infinity) by Kramers-Kronig, shape (omega, dof, dof) [kg]."""
+        return np.asarray(np.tensordot(self.added_mass_shares(omega), self.damping, 1))
+
+    def at(self, omega: FloatArray) -> FloatArray:
+        """Return the damping at any frequency, shape (omega, dof, dof) [kg/s]."""
+        return np.asarray(np.tensordot(self.shares(omega), self.damping, 1))
+
+    def transfer(self, omega: FloatArray) -> ComplexArray:
+        """Return K(s = i omega) = B + i omega (A - A(infinity)), shape (omega, dof, dof) [kg/s]."""
+        rows = self.shares(omega) + 1j * omega[:, None] * self.added_mass_shares(omega)
+        return np.asarray(np.tensordot(rows, self.damping, 1))
+
+
+def _e3(z: ComplexArray) -> ComplexArray:
+    """Generalized exponential integral E_3 by recurrence from E_1; E_3(0) = 1/2."""
+    z = np.asarray(z, dtype=complex)
+    safe = np.where(z == 0, 1.0, z)
+    e2 = np.exp(-safe) - safe * exp1(safe)
+    return np.where(z == 0, 0.5, (np.exp(-safe) - safe * e2) / 2)
 
 
 ORDERS = (6, 10, 14, 18, 22)
@@ -356,3 +424,35 @@ def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[Radiatio
             f"needs {UNUSABLE:g}; widen the band (hydro.omega_max) or refine the mesh (hydro.tolerance)."
         )
     return best
+
+
+def levenberg_marquardt(
+    residual: Callable[[FloatArray], FloatArray],
+    jacobian: Callable[[FloatArray], FloatArray],
+    x: FloatArray,
+    enough: float = 0.0,
+    gain: float = _ENOUGH,
+) -> FloatArray:
+    """Return where a sum of squares is least, or no more than enough, from a start; damped as Nielsen (1999) does.
+
+    A step that gains less than a part `gain` of what is left ends the search. The normal equations are solved: with
+    damping they stand a Jacobian without full rank.
+    """
+    r, j = residual(x), jacobian(x)
+    damping, growth = 1e-3 * float((j**2).sum(axis=0).max()), 2.0
+    for _ in range(_STEPS):
+        slope, square = j.T @ r, j.T @ j
+        damping = max(damping, _ROUND_OFF * float(np.diag(square).max()))
+        step = -cho_solve(cho_factor(square + damping * np.eye(len(x))), slope)
+        moved = residual(x + step)
+        gained, promised = r @ r - moved @ moved, step @ (damping * step - slope)
+        if gained > 0:
+            x, r, j = x + step, moved, jacobian(x + step)
+            damping, growth = damping * max(1 / 3, 1 - float(2 * gained / promised - 1) ** 3), 2.0
+            if gained < gain * (r @ r) or r @ r <= enough:
+                break
+        elif promised < gain * (r @ r):
+            break
+        else:
+            damping, growth = damping * growth, 2 * growth
+    return x
