@@ -17,7 +17,7 @@ from vsb.report.campaign_answer import answer as answer_of
 from vsb.report.campaign_page import head, rows, warnings
 from vsb.results.campaign import with_verification
 from vsb.results.verification import DesignInTime
-from vsb.stages import campaign, members
+from vsb.stages import members
 from vsb.stages.body_preview import check
 from vsb.study.body import located
 from vsb.tools import packed
@@ -62,10 +62,6 @@ def run(plan):
     batches(plan)
     found = simulated(plan)
     gather(plan)
-    files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign.run_campaign_report(
-        parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
-    )
     return found, load(plan.data_path, expected=plan.identity)
 
 
