@@ -176,7 +176,7 @@ def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys)
     assert len(list(Path("out").iterdir())) == 2 * len(formats)
 
 
-@pytest.mark.parametrize("command", ["schema study | head -1", f"shell {SEED} | true"])
+@pytest.mark.parametrize("command", ["schema study | head -1", "init my.yaml | true"])
 def test_closed_pipe_is_no_error(workplace, command):
     line = f"{sys.executable} -m vsb {command}; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
