@@ -19,7 +19,6 @@ from vsb.design.evaluation import DesignModel, Quantity
 from vsb.design.optimise import left_out
 from vsb.design.problem import IMPOSSIBLE, POWER
 from vsb.design.year import FrequencyGrid
-from vsb.models.further_modes import reach_of_modes
 from vsb.study.design import load_design
 from vsb.study.resolution import expected_change
 from vsb.study.sections import DEGREES
@@ -71,7 +70,7 @@ def holds_truth(kind, seed, climate):
             powers |= {n: buoy_of(raw, n, "X", climate).power for n in DEGREES[i : i + 3] if n not in powers}
             changes = [powers[n] / powers[degree] - 1 for n in DEGREES[i + 1 : i + 3]]
             last = DEGREES[i + 2]
-            bound = left_out(changes, reach_of_modes(rigid.study, "X", last), expected_change(rigid.study, last))
+            bound = left_out(changes, expected_change(rigid.study, last))
             if np.abs(bound).max() <= 0.005:
                 break
         flexible = replace(buoy_of(raw, degree, "X", climate), truncation=bound)

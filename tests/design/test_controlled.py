@@ -52,7 +52,7 @@ def test_power_grows_with_knowledge_and_the_worth_of_the_limit_is_its_slope(clim
     model = model_of(climate, RmsLimits(force), [], design)
     found = model.at([])
     power, study = found["annual_mean_power"].value, model.study
-    matrices = linearised(RestingBuoy.of(study, model.degree), design, [], model.grid.solved, model.nodes)
+    matrices = linearised(RestingBuoy.of(study, model.degree, design), design, [], model.grid.solved, model.nodes)
     levels = ControlledYear(
         PortYear.of(YearMotion(model.grid, *matrices, 0.0)), model.control, study.pto.control
     ).other_levels

@@ -1,6 +1,5 @@
 """The optimiser and its certificate on problems whose optima are known in closed form."""
 
-import math
 import re
 
 import numpy as np
@@ -16,7 +15,6 @@ from vsb.design.problem import Problem
 from vsb.design.searched import shares_of
 from vsb.design.violation import within_limits
 from vsb.errors import ConvergenceError
-from vsb.models.further_modes import reach_of_modes
 from vsb.study.design import DIVISORS, Variable
 from vsb.study.sections import DEGREES
 
@@ -321,18 +319,3 @@ def test_what_further_modes_change_holds_errors_of_first_order_and_none_that_see
         assert 0.1 / degree <= 1.000001 * high * power[0] <= 0.13 / degree
     assert left_out([0.002, -0.001]) == pytest.approx((-0.004, 0.003))
     assert left_out([1e-5, 2e-5], least=1e-3) == pytest.approx((-1e-3, 1.02e-3))
-
-
-@pytest.mark.parametrize("bending", [8.0, 15.0, 40.0])
-def test_what_further_modes_change_holds_what_a_ring_of_the_shell_yields(bending):
-    """A ring yields by 1/(1 + (n/bending)^4) in each degree n: membrane and bending side by side."""
-    thickness = 2.0 * math.sqrt(12 * (1 - 0.3**2)) / bending**2
-    device = {"radius": 2.0, "thickness": thickness, "internal_pressure": 0.0}
-    study = study_of(device=device, reference_shape="undeformed", designs={"CLAMPED": {"clamp": 90}})
-    by_degree = np.cumsum(1 / (1 + (np.arange(1, 4000) / bending) ** 4))
-    for i in range(len(DEGREES) - 2):
-        tried = DEGREES[i : i + 3]
-        power = 1 - 1e-3 * by_degree[np.array([*tried, 0]) - 1]
-        reach = reach_of_modes(study, "CLAMPED", tried[-1])
-        low, high = left_out([one / power[0] - 1 for one in power[1:3]], reach)
-        assert low <= power[3] / power[0] - 1 <= high

@@ -4,6 +4,7 @@ Gains and powers are those of a separate multipole computation with shell degree
 package.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.rings import HIGHEST, RingModes, along_wall, normal_to_wall
 from vsb.engine.waves.seas import sea
 from vsb.models.floating_system import floating_system
+from vsb.models.further_modes import by_all_modes, reach_of_modes
 from vsb.models.mode_convergence import ModeConvergence
 from vsb.models.rest import design_motions, reference_shell
 from vsb.models.ring_loads import has_attachment_modes, with_rings
@@ -24,7 +26,7 @@ from vsb.pipeline.plans import with_degree
 from vsb.results.ledger import ring_width_checks
 from vsb.results.left_out import modes_left_out
 from vsb.stages.make import make
-from vsb.study.sections import Modes
+from vsb.study.sections import DEGREES, Modes
 
 CLAMPED = {"FSB": {"flexible": False}, "CLAMPED": {"clamp": 90}}
 ALONE = {"SHELL": {}}
@@ -182,3 +184,18 @@ def test_rings_as_wide_as_the_wall_feel_degrees_to_radius_over_thickness(seed, t
     (check,) = ring_width_checks(study, plan.database.out)
     assert (check.design, check.verdict) == ("CLAMPED", "ok")
     assert 0.001 < check.value < 0.0025
+
+
+@pytest.mark.parametrize("bending", [8.0, 15.0, 40.0])
+def test_what_further_modes_change_holds_what_a_ring_of_the_shell_yields(seed, bending):
+    """A ring yields by 1/(1 + (n/bending)^4) in each degree n: membrane and bending side by side."""
+    thickness = 2.0 * math.sqrt(12 * (1 - 0.3**2)) / bending**2
+    device = {"radius": 2.0, "thickness": thickness, "internal_pressure": 0.0}
+    study = varied(seed, device=device, designs=CLAMPED)
+    by_degree = np.cumsum(1 / (1 + (np.arange(1, 4000) / bending) ** 4))
+    for i in range(len(DEGREES) - 2):
+        tried = DEGREES[i : i + 3]
+        power = 1 - 1e-3 * by_degree[np.array([*tried, 0]) - 1]
+        reach = reach_of_modes(study, "CLAMPED", tried[-1])
+        low, high = by_all_modes(power[0], list(power[1:3]), reach)
+        assert low <= power[3] - power[0] <= high

@@ -57,7 +57,7 @@ class Buoy:
     @cached_property
     def resting(self) -> RestingBuoy:
         """The buoy where it rests."""
-        return RestingBuoy.of(self.study, self.degree or 1)
+        return RestingBuoy.of(self.study, self.degree or 1, self.design)
 
     @property
     def outline(self) -> tuple[FloatArray, FloatArray]:

@@ -234,7 +234,7 @@ class DesignModel:
             If the buoy is not stable at rest beside the spring of its take-off.
         """
         study = self.study_at(values)
-        buoy = RestingBuoy.of(study, self.degree)
+        buoy = RestingBuoy.of(study, self.degree, self.design)
         of_device, stepped = self._stepped(buoy)
         clamp = f"designs.{self.design}.clamp"
         turned = [i for i, key in enumerate(self.variables) if key == clamp or ANGLE.fullmatch(key)]

@@ -73,7 +73,7 @@ def damages(fatigue: Fatigue, climate: Climate, m_0: FloatArray, m_2: FloatArray
 
 
 def strain_rows(buoy: RestingBuoy, colatitude: FloatArray) -> AnyArray:
-    """Return strains of the wall per unit of each motion about the rest shape, shape (4, dof, point) [1/m].
+    """Return strains of the wall per unit of heave and functions about the rest shape, shape (4, dof, point) [1/m].
 
     Along the meridian on the outer and the inner face, then around the axis.
     """
@@ -83,7 +83,7 @@ def strain_rows(buoy: RestingBuoy, colatitude: FloatArray) -> AnyArray:
     along = (1 + at_rest @ along) * along + (at_rest @ rotation) * rotation  # of E = e + (e^2 + rotation^2)/2
     around = (1 + at_rest @ around) * around
     rows = np.array([along + bent_along, along - bent_along, around + bent_around, around - bent_around])
-    return rows if buoy.frame is None else buoy.frame.T @ rows
+    return buoy.framed(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
 
 @dataclass(frozen=True)
@@ -141,9 +141,10 @@ def damage(
     damper : tuple of float and ndarray
         Damper [N s/m] and its derivatives, shape (variable,).
     """
-    motions, turned = motions_of(buoy, design, steps)
+    (motions, turned), count = motions_of(buoy, design, steps), len(buoy.modal_amplitude)
     matrix = damper[0] * np.eye(len(motion.rows))
     q = motion.damped(matrix, motion.undamped[0])
+    motions, turned = motions[:count], turned[:, :count]  # modes of rings strain the wall at their rings alone
     wall = Wall(fatigue, SeaMoments(motion.grid, climate), q @ motions.T)
     face, at = _worst(wall, buoy)
 

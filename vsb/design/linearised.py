@@ -22,6 +22,7 @@ from vsb.engine.motion.take_off import (
     SinglePort,
     StrainPort,
 )
+from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.meridian import Curve
 from vsb.engine.shell.modes import DISTINCT
 from vsb.errors import ConfigError
@@ -97,9 +98,9 @@ def linearised(
     nodes : int
         Of the boundary elements.
     """
-    basis, water, count = buoy.loaded.basis, buoy.study.water, len(steps)
-    dof, flexible = len(basis.labels), buoy.study.designs[design].flexible
-    moved = displacements(basis.highest_degree if flexible else 0)
+    water, count = buoy.study.water, len(steps)
+    dof, flexible = len(buoy.basis.labels), buoy.study.designs[design].flexible
+    moved = displacements(buoy.basis.highest_degree if flexible else 0)
     shape = _displaced(buoy, moved) if flexible else np.eye(dof, 1)
     problem = SpectralProblem(buoy.shape, moved, water.density, water.gravity, nodes, water.depth)
 
@@ -110,9 +111,18 @@ def linearised(
         return Curve(*np.reshape(parts, (count, 4, len(colatitude))).swapaxes(0, 1))
 
     def change(of: Callable[[RestingBuoy], AnyArray], *size: int) -> FloatArray:
-        """Derivatives by all variables of an analytic function of the buoy, of values of a size."""
+        """Derivatives by all variables of an analytic function of the buoy, of values of a size; by angles none."""
         parts = [one.derivative(of) if isinstance(one, Stepped) else np.zeros(size) for one in steps]
         return np.reshape(parts, (count, *size))
+
+    def of_matrix(name: str) -> FloatArray:
+        """Derivatives of one of the buoy's matrices: by angles of the part of the modes of rings."""
+        found = change(lambda b: getattr(b.matrices, name), dof, dof)
+        for i, one in enumerate(steps):
+            if isinstance(one, str) and buoy.rings:
+                by = _of_rings(buoy, design, one, lambda b: getattr(b.of_rings, name))
+                found[i, dof - len(by) :, dof - len(by) :] = by
+        return found
 
     def radiated(values: ComplexArray) -> ComplexArray:
         found = shape @ values @ shape.T
@@ -134,14 +144,12 @@ def linearised(
         radiation_change = radiation_change + mixed + mixed.swapaxes(-1, -2)
         excitation_change = excitation_change + (solved.excitation[:, None, None] @ turned.swapaxes(-1, -2))[..., 0, :]
     sized = values.port.shape
-    turned_by = [
-        np.zeros(sized) if isinstance(one, Stepped) or one == CLAMPED else _port_slope(buoy, one) for one in steps
-    ]
+    turned_by = [np.zeros(sized) if isinstance(one, Stepped) else _turned_port(buoy, design, one) for one in steps]
     by_port = np.reshape(turned_by, (count, *sized))
     changes = Linearised(
-        change(lambda b: b.matrices.mass, dof, dof),
-        change(lambda b: b.matrices.damping, dof, dof),
-        change(lambda b: b.matrices.stiffness, dof, dof),
+        of_matrix("mass"),
+        of_matrix("damping"),
+        of_matrix("stiffness"),
         radiation_change.swapaxes(0, 1),
         excitation_change.swapaxes(0, 1),
         _port_change(buoy, change, values.port) + by_port,
@@ -154,8 +162,7 @@ def linearised(
 
 def _displaced(buoy: RestingBuoy, moved: Sequence[Displacement]) -> FloatArray:
     """Displacements that frame and modes consist of, shape (dof, displacement) [-]."""
-    found = shares(moved, buoy.loaded.basis)
-    return found if buoy.frame is None else buoy.frame.T @ found
+    return np.asarray(buoy.framed(shares(moved, buoy.basis).T).T)
 
 
 def _port(buoy: RestingBuoy) -> FloatArray:
@@ -164,11 +171,10 @@ def _port(buoy: RestingBuoy) -> FloatArray:
     if isinstance(choice, SeveralPorts):
         return np.stack([_port(_at_port(buoy, one)) for one in choice.ports.values()])
     if isinstance(choice, ShellPort) and buoy.frame is not None:
-        to_sea_bed = port_direction(choice.model_copy(update={"against": "sea_bed"}), buoy.shape)
-        return _against(choice, to_sea_bed @ buoy.frame)
-    found = port_direction(choice, buoy.shape).T
-    of_frame = choice == "heave" or isinstance(choice, DofPort)
-    return found if buoy.frame is None or of_frame else found @ buoy.frame
+        to_sea_bed = port_direction(choice.model_copy(update={"against": "sea_bed"}), buoy.moving_shape)
+        return _against(choice, buoy.framed(to_sea_bed))
+    found = port_direction(choice, buoy.moving_shape).T
+    return found if choice == "heave" or isinstance(choice, DofPort) else np.asarray(buoy.framed(found))
 
 
 def _against(port: ShellPort, to_sea_bed: FloatArray) -> FloatArray:
@@ -203,12 +209,12 @@ def _port_change(buoy: RestingBuoy, change: _Change, port: FloatArray) -> FloatA
 
 def _membrane_stiffness(buoy: RestingBuoy) -> AnyArray:
     """Stiffness of the membrane about the shape at rest, shape (dof, dof) [N/m]."""
-    stiffness = buoy.loaded.elastic.membrane_stiffness(buoy.modal_amplitude)
-    return stiffness if buoy.frame is None else buoy.frame.T @ stiffness @ buoy.frame
+    moving = buoy.moving_shape
+    return buoy.framed(buoy.framed(ElasticShell(moving.basis).membrane_stiffness(moving.modal_amplitude)).T)
 
 
 def _port_slope(buoy: RestingBuoy, key: str) -> FloatArray:
-    """Derivative of `_port` by a colatitude of a port [1/degree]."""
+    """Derivative of the functions' part of `_port` by a colatitude of a port [1/degree]."""
     port, basis, shape = buoy.study.pto.port, buoy.loaded.basis, buoy.shape
     _, _, name, *rest = key.split(".")
     if isinstance(port, SeveralPorts):
@@ -222,8 +228,7 @@ def _port_slope(buoy: RestingBuoy, key: str) -> FloatArray:
     if isinstance(port, ShellPort):
         slopes = basis.displacement_and_slope(at)[2:]
         slope = slopes[0][:, 0] if port.direction == "radial" else m.dshape_z[:, 0]
-        found = np.deg2rad(slope)
-        return _against(port, found if buoy.frame is None else found @ buoy.frame)
+        return _against(port, buoy.framed(np.deg2rad(slope)))
     end, sign = int(rest[0]), 2 * int(rest[0]) - 1
     if isinstance(port, StrainPort):
         arc, (hoop, meridional, area) = np.hypot(m.dx, m.dz)[end], shape.strain_gradients(*map(float, at))
@@ -242,20 +247,59 @@ def _port_slope(buoy: RestingBuoy, key: str) -> FloatArray:
         by_chord, by_shape = np.array([m.dx, m.dz])[:, end], np.array([m.dshape_x, m.dshape_z])[:, :, end]
         far = np.linalg.norm(chord)
         slope = sign * (by_chord @ apart + chord @ by_shape - (chord @ by_chord) * (chord @ apart) / far**2) / far
-    found = np.deg2rad(slope) * (np.arange(len(slope)) > 0)
-    return np.asarray(found if buoy.frame is None else found @ buoy.frame)
+    return np.asarray(buoy.framed(np.deg2rad(slope) * (np.arange(len(slope)) > 0)))
 
 
-def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:
-    """What clamps and mooring hold at zero, Phi q = 0, (constraint, dof) [-]; or that of the clamps by the angle."""
-    basis, at = buoy.loaded.basis, np.deg2rad(buoy.study.designs[design].clamp)
-    radial, meridional, *slopes = basis.displacement_and_slope(at)
-    clamps = np.vstack([part.T for part in (slopes if derivative else (radial, meridional))])
-    fixed = mooring_rows(buoy.study, basis)  # whatever the angle: of no effect on motions that these rows allow
-    if buoy.frame is not None:
-        clamps, fixed = clamps @ buoy.frame, fixed @ buoy.frame
-    clamps = clamps * (np.arange(len(basis.labels)) > 0)  # relative to the frame
-    return np.vstack([clamps, fixed])
+def _turned_port(buoy: RestingBuoy, design: str, key: Angle) -> FloatArray:
+    """Derivative of `_port` by a colatitude [1/degree]."""
+    count = len(buoy.loaded.basis.labels)
+    of_functions = np.zeros_like(_port(buoy)[..., :count]) if key == CLAMPED else _port_slope(buoy, key)
+    if buoy.rings is None:
+        return of_functions
+    return np.concatenate([of_functions, _of_rings(buoy, design, key, lambda b: _port(b)[..., count:])], axis=-1)
+
+
+TURN = np.rad2deg(0.04)
+"""Step of differences by an angle times the highest degree that answers [degrees]: waves are longer."""
+
+
+def _of_rings(buoy: RestingBuoy, design: str, key: Angle, of: Callable[[RestingBuoy], FloatArray]) -> FloatArray:
+    """Derivative of what is the modes' of rings by a colatitude [1/degree], by differences of the fourth order.
+
+    At a pole, where a load along the meridian does nothing, it is 0 by symmetry.
+    """
+    here = of(buoy)
+    assert buoy.rings
+    key = f"designs.{design}.clamp" if key == CLAMPED else key
+    step = TURN / buoy.rings.resolved
+    ends = [[buoy.turned(key, sign * far * step) for sign in (1, -1)] for far in (1, 2)]
+    if any(len(end.loads) != len(buoy.loads) for pair in ends for end in pair):
+        return np.zeros_like(here)
+    near, far = ((of(up) - of(down)) / (2 * times * step) for times, (up, down) in zip((1, 2), ends, strict=True))
+    return np.asarray((4 * near - far) / 3)
+
+
+def _held(buoy: RestingBuoy, design: str) -> FloatArray:
+    """What clamps and mooring hold at zero, Phi q = 0, (constraint, dof) [-]."""
+    basis, at = buoy.basis, np.deg2rad(buoy.study.designs[design].clamp)
+    clamps = np.vstack([part.T for part in basis.ring_displacement(at)])
+    clamps = buoy.framed(clamps) * (np.arange(len(basis.labels)) > 0)  # relative to the frame
+    return np.vstack([clamps, buoy.framed(mooring_rows(buoy.study, basis))])
+
+
+def _held_change(buoy: RestingBuoy, design: str, step: Stepped | Angle) -> FloatArray:
+    """Derivative of `_held` by a variable, shape (constraint, dof); by an angle per degree."""
+    if isinstance(step, Stepped):
+        return step.derivative(lambda b: _held(b, design))
+    found = np.zeros(_held(buoy, design).shape)
+    if step == CLAMPED:
+        slopes = buoy.loaded.basis.displacement_and_slope(np.deg2rad(buoy.study.designs[design].clamp))[2:]
+        rows = np.deg2rad(buoy.framed(np.vstack([part.T for part in slopes])))
+        found[: len(rows), 1 : rows.shape[1]] = rows[:, 1:]
+    if buoy.rings:
+        own = slice(-len(buoy.rings.labels), None)
+        found[:, own] = _of_rings(buoy, design, step, lambda b: _held(b, design)[:, own])
+    return found
 
 
 def motions_of(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle]) -> tuple[FloatArray, FloatArray]:
@@ -264,14 +308,14 @@ def motions_of(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle])
     Parameters are those of `linearised`.
     """
     motions, flexible = _motions(buoy, design), buoy.study.designs[design].flexible
-    if CLAMPED in steps or (flexible and buoy.frame is not None):
+    if CLAMPED in steps or (flexible and (buoy.frame is not None or buoy.rings)):
         return motions, _motions_change(buoy, design, steps, motions)
     return motions, np.zeros((len(steps), *motions.shape))
 
 
 def _motions(buoy: RestingBuoy, design: str) -> FloatArray:
     """The motions a design allows, shape (dof, free) [-]."""
-    found = design_motions(buoy.study, buoy.loaded.basis, design)
+    found = design_motions(buoy.study, buoy.basis, design)
     if buoy.frame is None or not buoy.study.designs[design].flexible:
         return found
     rows = _held(buoy, design)
@@ -290,12 +334,11 @@ def _motions_change(
         raise ConfigError(
             f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
         )
-    rows, by_clamp = _held(buoy, design), np.deg2rad(_held(buoy, design, derivative=True))
-    slopes = [
-        one.derivative(lambda b: _held(b, design)) if isinstance(one, Stepped) else by_clamp * (one == CLAMPED)
-        for one in steps
-    ]
-    turned = [-np.linalg.pinv(rows, rcond=DISTINCT) @ slope @ motions for slope in slopes]
+    rows = _held(buoy, design)
+    if not rows.any():
+        return np.zeros((len(steps), *motions.shape))
+    inverse = np.linalg.pinv(rows, rcond=DISTINCT)
+    turned = [-inverse @ _held_change(buoy, design, one) @ motions for one in steps]
     return np.reshape(turned, (len(steps), *motions.shape))
 
 

@@ -24,20 +24,18 @@ ROUND_OFF = 1e-8
 """Excess over a limit, relative to it, that is none."""
 
 
-def by_modes(changes: Sequence[FloatArray], reach: float = 1.0) -> FloatArray:
+def by_modes(changes: Sequence[FloatArray]) -> FloatArray:
     """Return the most by which shell modes left out may raise excesses over limits, 0 or more, shape (limit,).
 
     Parameters
     ----------
     changes : sequence of ndarray
         Of the excesses from a basis to each of some with more degrees, ascending; none, as of a rigid sphere, are none.
-    reach : float
-        See `vsb.models.further_modes.by_all_modes`.
     """
     if not changes:
         return np.zeros(())
     none = np.zeros_like(changes[0])
-    return np.asarray(by_all_modes(none, [none, *changes], reach)[..., 1])
+    return np.asarray(by_all_modes(none, [none, *changes])[..., 1])
 
 
 def depends(study: Study, key: str) -> bool:

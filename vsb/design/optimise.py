@@ -29,7 +29,6 @@ from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.design.violation import led_at_rest, within_limits
 from vsb.errors import ConvergenceError
 from vsb.models.further_modes import by_all_modes
-from vsb.study.design import OF_WAVES, limit_of
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -271,21 +270,21 @@ class Converged:
 
 FURTHER = 2
 """Degrees beyond that of an optimum with which it is evaluated, too."""
-Expected = Callable[[Point, int], tuple[float, float]]
-"""What shell modes beyond a degree are expected to change of a buoy, see `finer`."""
+Expected = Callable[[Point, int], float]
+"""What shell modes beyond a degree are expected to change of the power of a buoy at least, relative."""
 
 
-def left_out(changes: Sequence[float], reach: float = 1.0, least: float = 0.0) -> tuple[float, float]:
+def left_out(changes: Sequence[float], least: float = 0.0) -> tuple[float, float]:
     """Return the ends between which all further degrees of shell modes change a power, relative, zero included.
 
     Parameters
     ----------
     changes : sequence of float
         By the degrees evaluated beyond that of the power, ascending, relative to it.
-    reach, least : float
+    least : float
         See `vsb.models.further_modes.by_all_modes`.
     """
-    low, high = by_all_modes(np.zeros(()), [np.zeros(()), *map(np.asarray, changes)], reach, least)
+    low, high = by_all_modes(np.zeros(()), [np.zeros(()), *map(np.asarray, changes)], least=least)
     return float(low), float(high)
 
 
@@ -302,7 +301,7 @@ def finer(
     problem_of: Callable[[int | None], Problem],
     degrees: Sequence[int | None],
     point: Point,
-    expected: Expected = lambda point, degree: (1.0, 0.0),
+    expected: Expected = lambda point, degree: 0.0,
 ) -> Finer:
     """Return a buoy with more shell modes, and what all further ones may change.
 
@@ -313,7 +312,7 @@ def finer(
     degrees : sequence of int, or of one None
         Of the buoy, and those beyond it that are evaluated; one of none: a rigid buoy.
     expected : callable
-        Buoy and degree -> `reach` and `least` of `vsb.models.further_modes.by_all_modes`, the latter of the power.
+        Buoy and degree -> what further ones change of the power at least.
     """
     last = degrees[-1]
     if last is None:
@@ -321,12 +320,9 @@ def finer(
     own, *points = (problem_of(degree).at(point.place) for degree in degrees)
     if len(points) < FURTHER:
         return Finer(None, np.full_like(point.excess, np.nan), tuple(points))
-    reach, least = expected(point, last)
     changes = [one.evaluation[POWER].value / own.evaluation[POWER].value - 1 for one in points]
     grown = [one.excess - own.excess for one in points]
-    waves = [limit_of(part) in OF_WAVES for part in problem_of(degrees[0]).limit_names]
-    margins = np.where(waves, by_modes(grown, reach), by_modes(grown))  # no port or clamp loads a shell at rest
-    return Finer(left_out(changes, reach, least), margins, tuple(points))
+    return Finer(left_out(changes, expected(point, last)), by_modes(grown), tuple(points))
 
 
 MARGIN_ROUNDS, SAFE = 4, 1.1
@@ -388,7 +384,7 @@ def converged(
     tolerance: float,
     places: Sequence[FloatArray],
     seen: Progress | None = None,
-    expected: Expected = lambda point, degree: (1.0, 0.0),
+    expected: Expected = lambda point, degree: 0.0,
     spread: Callable[[Problem, Point], FloatArray] | None = None,
 ) -> Converged:
     """Return the best buoy from one start, solved again with more shell modes until they change little.

@@ -11,17 +11,20 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.meridian import ClosedMeridian, Curve, capsule, series, spheroid, through
-from vsb.engine.shell.modes import rigid_basis
+from vsb.engine.shell.modes import ModeBasis, rigid_basis
+from vsb.engine.shell.rings import AttachmentModes
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.keys.quantities import at_key
-from vsb.models.rest import loaded_shell, stiffness_about
+from vsb.models.rest import loaded_at_ring, loaded_shell, stiffness_about
+from vsb.models.ring_loads import Load, attachment_modes, ring_loads, tension_at
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -55,18 +58,23 @@ class RestingBuoy:
 
     study: Study
     loaded: LoadedShell
-    modal_amplitude: FloatArray  # heave and modes at rest (dof,) [m]; zero about the undeformed shell
+    modal_amplitude: FloatArray  # heave and functions at rest (dof,) [m]; zero about the undeformed shell
+    loads: tuple[Load, ...] = ()  # at rings, which all higher degrees answer
+    stepped_from: AttachmentModes | None = None  # their modes of the buoy this one is a step of
 
     @classmethod
-    def of(cls, study: Study, degree: int) -> "RestingBuoy":
+    def of(cls, study: Study, degree: int, design: str | None = None) -> "RestingBuoy":
         """Return the buoy of a study at rest, its shell in functions to a degree.
 
-        Raises `ConvergenceError` if the shell buckles before it carries its load.
+        Beside these stands what all higher ones do under loads at rings, if they load a `design`. Raises
+        `ConvergenceError` if the shell buckles before it carries its load.
         """
         device = study.device
         basis = complete_basis(Shell.of(device), degree, device.mass) if study.flexible else rigid_basis(device)
         loaded = loaded_shell(study, replace(basis, alpha=device.damping.alpha, beta=device.damping.beta))
-        return cls(study, loaded, equilibrium(loaded) if study.at_equilibrium else np.zeros(len(basis.labels)))
+        at_rest = equilibrium(loaded) if study.at_equilibrium else np.zeros(len(basis.labels))
+        answered = design and study.designs[design].flexible and loaded_at_ring(study, design)
+        return cls(study, loaded, at_rest, ring_loads(study) if answered else ())
 
     @cached_property
     def shape(self) -> DeformedShell:
@@ -74,8 +82,46 @@ class RestingBuoy:
         return DeformedShell(self.loaded.basis, self.loaded.centre_height, self.modal_amplitude)
 
     @cached_property
+    def rings(self) -> AttachmentModes | None:
+        """What all degrees above those of the functions do under loads at rings; None without any."""
+        if not self.loads:
+            return None
+        shell, at_rest = self.loaded.basis.shell, self.modal_amplitude if self.study.at_equilibrium else None
+        stretched = "prestress" in self._stiffness
+        tension = tension_at(self.loads, self.loaded, at_rest) if stretched else (0.0,) * len(self.loads)
+        if known := self.stepped_from:
+            return replace(known, shell=shell, loads=self.loads, tension=tension, stepped_from=known)
+        return attachment_modes(shell, self.loaded.basis.highest_degree, self.loads, tension)
+
+    @cached_property
+    def basis(self) -> ModeBasis:
+        """All it moves in: heave, the functions of its shell, and the modes of rings."""
+        return replace(self.loaded.basis, rings=self.rings)
+
+    @cached_property
+    def moving_shape(self) -> DeformedShell:
+        """The shape at rest with the modes of rings, which are at rest."""
+        more = len(self.basis.labels) - len(self.modal_amplitude)
+        return DeformedShell(self.basis, self.loaded.centre_height, np.pad(self.modal_amplitude, (0, more)))
+
+    @cached_property
     def matrices(self) -> Matrices:
-        """Mass, damping and stiffness about the shape at rest."""
+        """Mass, damping and stiffness about the shape at rest over all it moves in."""
+        if self.rings is None:
+            return self.of_functions
+        pairs = zip(self.of_functions, self.of_rings, strict=True)
+        return Matrices(*(block_diag(of_functions, of_rings) for of_functions, of_rings in pairs))
+
+    @property
+    def of_rings(self) -> Matrices:
+        """The same of the modes of rings alone, which couple with no function."""
+        assert self.rings is not None
+        mass, stiffness, basis = self.rings.inertia, self.rings.stiffness, self.loaded.basis
+        return Matrices(mass, basis.alpha * mass + basis.beta * stiffness, stiffness + self.rings.prestress)
+
+    @cached_property
+    def of_functions(self) -> Matrices:
+        """The same of heave and functions of the shell alone."""
         basis, frame = self.loaded.basis, self.frame
         stiffness = sum(matrix for name, matrix in self._stiffness.items() if name != "gas" or not self._opened)
         if frame is None:
@@ -120,13 +166,20 @@ class RestingBuoy:
         found[0, 1:] = -momentum[1:] / momentum[0]
         return found
 
+    def framed(self, rows: AnyArray) -> AnyArray:
+        """Return rows over heave and functions of the shell, and modes of rings, in the motions of frame and modes."""
+        if self.frame is None:
+            return rows
+        count = len(self.frame)
+        return np.concatenate([rows[..., :count] @ self.frame, rows[..., count:]], axis=-1)
+
     @property
     def linear_rest(self) -> FloatArray:
         """Static displacement about the undeformed shell by linear theory, shape (dof,) [m]."""
         load, frame = self.loaded.force(self.modal_amplitude), self.frame
         if frame is None:
-            return np.linalg.solve(self.matrices.stiffness, load)
-        return frame @ np.linalg.solve(self.matrices.stiffness, frame.T @ load)
+            return np.linalg.solve(self.of_functions.stiffness, load)
+        return frame @ np.linalg.solve(self.of_functions.stiffness, frame.T @ load)
 
     def with_step(self, key: str) -> "Stepped":
         """Return the buoy at rest with an imaginary step of a variable of its device, floating freely.
@@ -140,7 +193,14 @@ class RestingBuoy:
         stepped = replace(changed, centre_height=changed.centre_height + 1j * size * rate[0])
         shell = rate * (np.arange(len(rate)) > 0)
         amplitude = self.modal_amplitude + 1j * size * shell if shell.any() else self.modal_amplitude
-        return Stepped(replace(self, loaded=stepped, modal_amplitude=amplitude), size)
+        changed_buoy = replace(self, loaded=stepped, modal_amplitude=amplitude, stepped_from=self.rings)
+        return Stepped(changed_buoy, size)
+
+    def turned(self, key: str, degrees: float) -> "RestingBuoy":
+        """Return the buoy with a colatitude of a clamp or a port turned, the modes of rings combined as they are."""
+        key = f"{key}.0" if key.endswith(".clamp") else key
+        study = with_values(self.study, {key: value_of(self.study, key) + degrees})
+        return replace(self, study=study, loads=ring_loads(study), stepped_from=self.rings)
 
     @cached_property
     def compliance(self) -> FloatArray:

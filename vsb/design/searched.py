@@ -19,7 +19,6 @@ from vsb.design.resting import with_values
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
-from vsb.models.further_modes import reach_of_modes
 from vsb.study.campaign import CAUSAL, study_at
 from vsb.study.design import CONTROLLED, Variable
 from vsb.study.feasible import shares
@@ -174,11 +173,10 @@ def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
     return np.append(deviations, np.zeros(len(point.excess) - len(deviations)))
 
 
-def expected_of(search: Search, point: Point, degree: int) -> tuple[float, float]:
-    """Return what further shell modes may change of a buoy, see `vsb.design.optimise.finer`."""
+def expected_of(search: Search, point: Point, degree: int) -> float:
+    """Return what further shell modes are expected to change of a buoy's power at least, relative."""
     keys = [one.key for one in search.variables]
-    study = study_of(search, None, dict(zip(keys, point.values, strict=True)))
-    return reach_of_modes(study, search.design, degree), expected_change(study, degree)
+    return expected_change(study_of(search, None, dict(zip(keys, point.values, strict=True))), degree)
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,11 @@ from vsb.engine.hydro.orders import ORDER
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.take_off import BetweenPort, PortChoice, SeveralPorts, ShellPort, StrainPort
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
+from vsb.engine.shell.loaded import LoadedShell
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.rings import (
     HIGHEST,
+    AttachmentModes,
     BeltLoad,
     KinkModes,
     RingLoad,
@@ -28,8 +30,10 @@ from vsb.engine.shell.rings import (
     normal_to_wall,
     vertical,
 )
+from vsb.engine.shell.shell import Shell
 from vsb.models.rest import loaded_shell, order_bases, order_stiffness, side_by_side
 from vsb.study.specs import AnyBuoy
+from vsb.tools.arrays import FloatArray
 
 KEPT = 12
 """Shells whose modes of rings are kept."""
@@ -112,8 +116,7 @@ def with_rings(
     above = basis.highest_degree if degree is None else degree
     if highest <= max(above, 1):
         return reference
-    modes = _ring_modes if basis.shell.rest is None else _kink_modes
-    rings = modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
+    rings = attachment_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
     further = order_loads(study)
     orders = range(1, 1 + (study.modes.order if study.motion != "heave" and further else 0))
     tension = _tension(study, reference, further)
@@ -143,12 +146,25 @@ def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[Load, ...])
     """Membrane force along the meridian at rings [N/m]; none of a shell linearised without its load."""
     if "prestress" not in reference.stiffness:
         return (0.0,) * len(loads)
-    loaded, at = loaded_shell(study, reference.basis), np.array([load.colatitude for load in loads])
-    if study.at_equilibrium:
-        force, _ = loaded.elastic.linear_resultants(reference.modal_amplitude, at)
-    else:
-        force, _ = loaded.linear_resultants(at)
+    return tension_at(
+        loads, loaded_shell(study, reference.basis), reference.modal_amplitude if study.at_equilibrium else None
+    )
+
+
+def tension_at(loads: tuple[Load, ...], loaded: LoadedShell, at_rest: FloatArray | None) -> tuple[float, ...]:
+    """Return the membrane force along the meridian at rings of a shell at rest, or of the undeformed one [N/m]."""
+    at = np.array([load.colatitude for load in loads])
+    elastic = loaded.elastic
+    force, _ = loaded.linear_resultants(at) if at_rest is None else elastic.linear_resultants(at_rest, at)
     return tuple(force.tolist())
+
+
+def attachment_modes(
+    shell: Shell, degree: int, loads: tuple[Load, ...], tension: tuple[float, ...], highest: int = HIGHEST
+) -> AttachmentModes:
+    """Return what all degrees above one do under loads at rings, kept for shells of the same wall."""
+    modes = _ring_modes if shell.rest is None else _kink_modes
+    return modes(shell, degree, loads, tension, highest)
 
 
 class Stored(NamedTuple):

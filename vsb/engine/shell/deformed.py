@@ -100,8 +100,8 @@ class DeformedShell:
         hoop = m.shape_x @ (weight * arc) / area
         along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
         if rings := self.basis.rings:
-            own = slice(-len(rings.labels), None)
-            hoop[own], along[own] = rings.mean_strains(upper, lower)
+            others, strains = -len(rings.labels), rings.mean_strains(upper, lower)
+            hoop, along = (np.concatenate(pair) for pair in zip((hoop[:others], along[:others]), strains, strict=True))
         return hoop, along, area
 
     @cached_property

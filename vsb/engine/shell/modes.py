@@ -274,11 +274,11 @@ class ModeBasis:
         ----------
         colatitude : ndarray, shape (point,) [rad]
         """
-        found = self.displacement(colatitude)
-        if self.rings:
-            for part, own in zip(found, self.rings.displacement(colatitude)[:2], strict=True):
-                part[len(part) - len(own) :] = own
-        return found
+        radial, meridional = self.displacement(colatitude)
+        if self.rings is None:
+            return radial, meridional
+        others, (v, u, _) = -len(self.rings.labels), self.rings.displacement(colatitude)
+        return np.concatenate([radial[:others], v]), np.concatenate([meridional[:others], u])
 
     def clamped(self, colatitudes: Iterable[float]) -> FloatArray:
         """Return an orthonormal basis of the motions the clamps allow, shape (dof, free); heave is the first column.

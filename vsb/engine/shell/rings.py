@@ -23,7 +23,7 @@ is that of shear, G h (n-1)(n+2) int (u^2 + w^2) dA/r^2; a tension p r/2 adds to
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -159,6 +159,8 @@ class AttachmentModes(ABC):
         Degree to which they are summed.
     order : int
         Azimuthal order m, of loads and modes.
+    stepped_from : AttachmentModes, optional
+        Those of which these have an imaginary step: their combinations of responses are these modes' too.
     """
 
     shell: Shell
@@ -167,6 +169,12 @@ class AttachmentModes(ABC):
     tension: tuple[float, ...]
     highest: int = HIGHEST
     order: int = 0
+    stepped_from: "AttachmentModes | None" = field(default=None, compare=False)
+
+    @property
+    def resolved(self) -> int:
+        """The highest degree that answers."""
+        return self.highest
 
     @property
     @abstractmethod
@@ -190,6 +198,8 @@ class AttachmentModes(ABC):
     @cached_property
     def _combinations(self) -> FloatArray:
         """Responses and twists of the modes, one column for each: of equal stiffness and without coupling."""
+        if self.stepped_from:
+            return self.stepped_from._combinations
         _, elastic, stretched = self._under_loads
         loads = slice(len(self.loads))
         compliance, directions = np.linalg.eigh((elastic + stretched)[loads, loads])
@@ -247,11 +257,11 @@ class RingModes(AttachmentModes):
         """Radial and surface amplitudes of each degree under each load, none of twists, (degree, 2, shape) [m/N]."""
         n = self._degrees
         rows = np.stack([load.rows(n, self.order) for load in self.loads], axis=-1)
-        elastic, stretched, found = self._elastic, tension_block(n), np.empty_like(rows)
+        elastic, stretched, found = self._elastic, tension_block(n), []
         for i, force in enumerate(self.tension):
-            stiffness = elastic + max(force, 0.0) * stretched
-            found[..., i] = np.linalg.solve(stiffness, rows[..., i, None])[..., 0]
-        return np.pad(found, ((0, 0), (0, 0), (0, self._own)))
+            stiffness = elastic + (force if force.real > 0 else 0.0) * stretched
+            found.append(np.linalg.solve(stiffness, rows[..., i, None]))
+        return np.pad(np.concatenate(found, axis=-1), ((0, 0), (0, 0), (0, self._own)))
 
     @cached_property
     def _twist_responses(self) -> FloatArray:
@@ -364,11 +374,18 @@ class KinkModes(AttachmentModes):
         at = list(self.shell.meridian.junctions)  # where the curvature jumps, too
         for load in self.loads:
             at += (load.upper, load.lower) if isinstance(load, BeltLoad) else (load.colatitude,)
-        return tuple(sorted({float(phi) for phi in at if abs(math.sin(phi)) > AT_POLE}))
+        return tuple(sorted({phi for phi in at if abs(np.sin(phi)) > AT_POLE}, key=np.real))
+
+    @property
+    def resolved(self) -> int:
+        """The highest degree that answers, beside kinks."""
+        return self._finest
 
     @cached_property
     def _finest(self) -> int:
         """Degree of the displacements beside kinks; a tension T of the wall bends it within sqrt(D/T) of a ring."""
+        if isinstance(self.stepped_from, KinkModes):
+            return self.stepped_from._finest
         if self.highest < HIGHEST:
             return min(self.highest, MOST)
         tension = max(0.0, *self.tension)
@@ -382,10 +399,10 @@ class KinkModes(AttachmentModes):
         weight = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)
         for ring in self._rings:
             at = curve(self.shell.meridian, np.array([ring]))
-            slope, sin, cos = length(at.dx, at.dz)[0], math.sin(ring), math.cos(ring)
+            slope, sin, cos = length(at.dx, at.dz)[0], np.sin(ring), np.cos(ring)
             tangent = (at.dx[0] * sin + at.dz[0] * cos) / slope, (at.dx[0] * cos - at.dz[0] * sin) / slope
             normal = -tangent[1], tangent[0]
-            s, sign = phi - ring, np.where(phi < ring, -1.0, 1.0)
+            s, sign = phi - ring, np.where(np.real(phi - ring) < 0, -1.0, 1.0)
             for k in range(1, POWERS + 1):
                 f, df = sign * s**k, k * sign * s ** (k - 1)
                 ddf = k * (k - 1) * sign * s ** max(k - 2, 0)
@@ -407,9 +424,9 @@ class KinkModes(AttachmentModes):
     def _at(self, start: float = 0.0, end: float = math.pi) -> _At:
         """Points of a rule for energies, of the belt between two colatitudes [rad]."""
         meridian = self.shell.meridian
-        breaks = sorted({*meridian.junctions, *self._rings, start, end} - {0.0, math.pi})
+        breaks = sorted({*meridian.junctions, *self._rings, start, end} - {0.0, math.pi}, key=np.real)
         phi, dphi = meridian_rule(breaks, 4 * self._finest + 64 + meridian.terms)
-        inside = (start < phi) & (phi < end)
+        inside = (start < np.real(phi)) & (np.real(phi) < end)
         phi, dphi = phi[inside], dphi[inside]
         at, of = curve(meridian, phi), self._displacements(phi)
         return _At(2 * np.pi * at.x * length(at.dx, at.dz) * dphi, of, strains(meridian, phi, of))
@@ -441,16 +458,16 @@ class KinkModes(AttachmentModes):
         rigid = self._heave
         weighed = mass @ rigid / (rigid @ mass @ rigid)
         rows = np.array([self._row(load) for load in self.loads])
-        rows -= np.outer(rows @ rigid, weighed)
+        rows = rows - np.outer(rows @ rigid, weighed)
         count = self._finest + 1
         balanced = np.delete(np.arange(len(mass)), count)  # all but meridional degree 1, which heave stands for
         few = np.r_[0 : self.degree + 1, count + 1 : count + self.degree]
-        found = np.zeros((len(mass), len(self.loads)))
+        found = np.zeros((len(mass), len(self.loads)), rows.dtype)
         for force in dict.fromkeys(self.tension):
             own = np.equal(self.tension, force)
-            stiffness = elastic + max(force, 0.0) * stretched
+            stiffness = elastic + (force if force.real > 0 else 0.0) * stretched
             found[:, own] = _static(stiffness, rows[own].T, balanced) - _static(stiffness, rows[own].T, few)
-        return found - np.outer(rigid, weighed @ found)
+        return np.asarray(found - np.outer(rigid, weighed @ found))
 
     def _row(self, load: RingLoad | BeltLoad) -> FloatArray:
         """Work of a load on displacements, shape (displacement,) [-]; of a belt times the radius."""
@@ -493,11 +510,17 @@ class KinkModes(AttachmentModes):
 
 
 def _static(stiffness: FloatArray, loads: FloatArray, kept: IntArray) -> FloatArray:
-    """Displacements under loads among those kept, shape (displacement, load)."""
-    matrix, found = stiffness[np.ix_(kept, kept)], np.zeros_like(loads)
-    size = 1 / np.sqrt(np.diag(matrix))
-    values, vectors = np.linalg.eigh(size[:, None] * matrix * size)
+    """Displacements under loads among those kept, shape (displacement, load); analytic in an imaginary step."""
+    matrix, found = stiffness[np.ix_(kept, kept)], np.zeros(loads.shape, np.result_type(stiffness, loads))
+    size = 1 / np.sqrt(np.diag(matrix.real))
+    values, vectors = np.linalg.eigh(size[:, None] * matrix.real * size)
     known = values > ROUND_OFF * values[-1]
-    vectors = vectors[:, known]
-    found[kept] = size[:, None] * (vectors @ ((vectors.T @ (size[:, None] * loads[kept])) / values[known, None]))
+    vectors = size[:, None] * vectors[:, known]
+
+    def solved(forces: FloatArray) -> FloatArray:
+        return np.asarray(vectors @ ((vectors.T @ forces) / values[known, None]))
+
+    found[kept] = solved(loads[kept].real)
+    if np.iscomplexobj(found):
+        found[kept] += 1j * solved((loads[kept] - matrix @ found[kept]).imag)
     return found
