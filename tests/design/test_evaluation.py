@@ -21,7 +21,7 @@ from vsb.engine.motion.tuning import powers_of_all
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.ports import ShapeWater, buoy_at
-from vsb.models.rest import reference_shell, stiffness_about
+from vsb.models.rest import loaded_at_ring, reference_shell, stiffness_about
 from vsb.study.design import PARTS, Fatigue
 from vsb.study.resolution import expected_change
 from vsb.study.sections import Modes
@@ -121,7 +121,7 @@ def differences(model, variable, part):
         ("VSWEC", PORT | {"pto": {"port": {"strain": "area", "belt": [60, 120]}}}, "pto.port.belt.0"),
         ("VSWEC90", SPHEROID | {"pto": {"port": {"strain": "meridional", "belt": [30, 120]}}}, "pto.port.belt.1"),
         ("VSWEC", CAPSULE | {"pto": {"port": BELT}}, "pto.port.belt.1"),
-        ("VSWEC", SPHEROID | {"pto": {"port": {"between": [10, 150]}}}, "pto.port.between.0"),
+        ("VSWEC", SPHEROID | {"pto": {"port": {"between": [40, 150]}}}, "pto.port.between.0"),
         ("VSWEC", PORT | {"pto": {"ports": {"b": BELT, "v": "volume"}}}, "pto.port.ports.b.belt.0"),
         ("FSB", SERIES, "device.shape.series.radial.2"),
         ("VSWEC90", SERIES, "device.shape.series.axial.1"),
@@ -133,8 +133,10 @@ def differences(model, variable, part):
     ],
 )
 def test_derivatives_are_those_of_differences(climate, design, changes, key):
-    model = model_of(study_of(**changes), design, climate, [key])
-    found, expected = model.at(model.point).quantities, differences(model, 0, 1e-5)
+    study = study_of(**changes)
+    model, kinked = model_of(study, design, climate, [key]), study.device.shape and loaded_at_ring(study, design)
+    part = 1e-3 if kinked else 1e-5  # responses with kinks have ten digits
+    found, expected = model.at(model.point).quantities, differences(model, 0, part)
     scale = abs(model.point[0]) or 1e4
     for name, quantity in found.items():
         error = (quantity.gradient[0] - expected[name]) * scale

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,8 @@ NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
 """Frequencies solved, and by how many they increase until coefficients between them are known."""
+KEPT_RESTS, SMALL = 16, 1e-9
+"""Buoys whose rest is kept for those close to them, and what is added to variables in whose terms these are close."""
 POINTS = 6
 """Points of quadrature in each band of a climate."""
 RESOLVED, ROUND_OFF = 1e-8, 1e-6
@@ -85,6 +88,14 @@ class Evaluation:
         return self["damping"].value if "damping" in self.quantities else None
 
 
+class Rest(NamedTuple):
+    """Where a buoy rests."""
+
+    values: FloatArray  # of the variables (variable,)
+    amplitude: FloatArray  # (dof,) [m], with the height of the centre in heave's
+    slopes: FloatArray  # of it by the variables (variable, dof)
+
+
 @dataclass(frozen=True)
 class DesignModel:
     """One design of a study over a climate as a smooth function of some keys of the study.
@@ -107,6 +118,7 @@ class DesignModel:
     fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
     dampers: FloatArray | None = None  # matrix of several ports that is kept; none: the one that absorbs most
     most_force: float = np.inf  # rms of all forces of several ports together, at most [N]
+    rests: dict[tuple[object, ...], list["Rest"]] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(
@@ -234,8 +246,9 @@ class DesignModel:
             If the buoy is not stable at rest beside the spring of its take-off.
         """
         study = self.study_at(values)
-        buoy = RestingBuoy.of(study, self.degree, self.design)
+        buoy = RestingBuoy.of(study, self.degree, self.design, self._near(study, values))
         of_device, stepped = self._stepped(buoy)
+        self._remember(study, values, buoy, dict(zip(of_device, stepped, strict=True)))
         clamp = f"designs.{self.design}.clamp"
         turned = [i for i, key in enumerate(self.variables) if key == clamp or ANGLE.fullmatch(key)]
         steps: list[Stepped | str] = [*stepped, *(self.variables[i].replace(clamp, CLAMPED) for i in turned)]
@@ -263,6 +276,32 @@ class DesignModel:
                 np.sum([price * found[of].gradient for of, price in self.cost.items()], axis=0),
             )
         return replace(year, quantities=found)
+
+    def _near(self, study: Study, values: Sequence[float]) -> FloatArray | None:
+        """Amplitudes near those at rest, from the closest of the buoys known and its slopes, (dof,) [m]."""
+        known = self.rests.get((self.degree, *self.variables), [])
+        if not known or not self.variables:
+            return None
+        apart = [np.asarray(values) - one.values for one in known]
+        size = np.abs(values) + SMALL
+        closest = int(np.argmin([np.abs(step / size).max() for step in apart]))
+        return (
+            known[closest].amplitude
+            + apart[closest] @ known[closest].slopes
+            - study.centre_height * (np.arange(len(known[closest].amplitude)) == 0)
+        )
+
+    def _remember(self, study: Study, values: Sequence[float], buoy: RestingBuoy, steps: Mapping[int, Stepped]) -> None:
+        """Keep where a buoy rests, and how that changes with the variables, for buoys that are close."""
+        if not study.at_equilibrium:
+            return
+        heave = np.arange(len(buoy.modal_amplitude)) == 0
+        slopes = np.zeros((len(self.variables), len(heave)))
+        for i, one in steps.items():
+            slopes[i] = one.derivative(lambda b: b.modal_amplitude + heave * b.loaded.centre_height)
+        known = self.rests.setdefault((self.degree, *self.variables), [])
+        known.append(Rest(np.array(values), buoy.modal_amplitude + heave * study.centre_height, slopes))
+        del known[:-KEPT_RESTS]
 
     def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
         """Places of the variables of the device, and the buoy with a step of each."""

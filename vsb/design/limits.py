@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from scipy.optimize import minimize_scalar
 
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
-from vsb.engine.shell.loaded import LoadedShell, buckling_pencil
+from vsb.engine.shell.loaded import LoadedShell, PencilSlopes, buckling_pencil
 from vsb.engine.shell.lobes import LobedShell, Lobes
 from vsb.engine.shell.meridian import length, meridian_rule
 from vsb.engine.shell.modes import rigid_basis
@@ -107,6 +107,7 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
     if loaded.basis.shell.rest is not None:
         found += LobedShell.of(loaded).buckling(FACTORS)
     found = sorted(found, key=lambda one: -one.inverse_load_factor)[:FACTORS]
+    axisymmetric = PencilSlopes(loaded, np.array([one.shape for one in found if one.order == 0]).T)
     rigid = RestingBuoy(study, loaded_shell(study, rigid_basis(study.device)), np.zeros(1))  # it floats undeformed
     slopes = []
     for key in keys:
@@ -116,17 +117,16 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
         step = rigid.with_step(key)
         changed = with_variable(loaded, key, 1j * step.size, study.device)
         changed = replace(changed, centre_height=step.buoy.loaded.centre_height)
-        slopes.append([change / step.size for change in _changes(changed, found)])
+        slopes.append([change / step.size for change in _changes(changed, found, axisymmetric)])
     return [(one.inverse_load_factor, [change[j] for change in slopes]) for j, one in enumerate(found)]
 
 
-def _changes(changed: LoadedShell, shapes: Sequence[Lobes]) -> list[float]:
+def _changes(changed: LoadedShell, shapes: Sequence[Lobes], axisymmetric: PencilSlopes) -> list[float]:
     """Imaginary parts of inverse load factors of a shell with an imaginary step, by the shapes of the one without."""
-    axisymmetric = buckling_pencil(changed) if any(one.order == 0 for one in shapes) else None
     lobed, found = LobedShell.of(changed), []
+    without = iter(zip(*axisymmetric.of(changed), strict=True)) if axisymmetric.shapes.size else iter(())
     for kappa, order, x in shapes:
-        whole = axisymmetric if order == 0 else None
-        pencil = [x @ one @ x for one in whole] if whole else lobed.pencil(order, x[:, None])
-        elastic, load = (np.imag(one).item() for one in pencil)
+        pencil = lobed.pencil(order, x[:, None]) if order else next(without)
+        elastic, load = (np.imag(one).item() for one in pencil) if order else pencil
         found.append(-float(load + kappa * elastic))
     return found

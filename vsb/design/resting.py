@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.device import Device
-from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
+from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium, equilibrium_near
 from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.meridian import ClosedMeridian, Curve, capsule, series, spheroid, through
 from vsb.engine.shell.modes import ModeBasis, rigid_basis
@@ -63,16 +63,19 @@ class RestingBuoy:
     stepped_from: AttachmentModes | None = None  # their modes of the buoy this one is a step of
 
     @classmethod
-    def of(cls, study: Study, degree: int, design: str | None = None) -> "RestingBuoy":
+    def of(cls, study: Study, degree: int, design: str | None = None, near: FloatArray | None = None) -> "RestingBuoy":
         """Return the buoy of a study at rest, its shell in functions to a degree.
 
-        Beside these stands what all higher ones do under loads at rings, if they load a `design`. Raises
-        `ConvergenceError` if the shell buckles before it carries its load.
+        Beside these stands what all higher ones do under loads at rings, if they load a `design`. The equilibrium is
+        sought `near` amplitudes (dof,) [m], if given. Raises `ConvergenceError` if the shell buckles before it carries
+        its load.
         """
         device = study.device
         basis = complete_basis(Shell.of(device), degree, device.mass) if study.flexible else rigid_basis(device)
         loaded = loaded_shell(study, replace(basis, alpha=device.damping.alpha, beta=device.damping.beta))
-        at_rest = equilibrium(loaded) if study.at_equilibrium else np.zeros(len(basis.labels))
+        at_rest = np.zeros(len(basis.labels))
+        if study.at_equilibrium:
+            at_rest = equilibrium(loaded) if near is None else equilibrium_near(loaded, near)
         answered = design and study.designs[design].flexible and loaded_at_ring(study, design)
         return cls(study, loaded, at_rest, ring_loads(study) if answered else ())
 

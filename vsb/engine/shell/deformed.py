@@ -38,6 +38,7 @@ class Meridian(NamedTuple):
     dshape_z: FloatArray
 
 
+_SHAPES = Meridian._fields[4:]
 _FINER = 15
 """Subdivisions of the grid for finding curls."""
 AT_ONCE = 512
@@ -248,8 +249,12 @@ class DeformedShell:
         """Return the stiffness of the water, shape (dof, dof) [N/m]; see `hydrostatics`."""
         return self.hydrostatics(density, gravity, points)[1]
 
-    def hydrostatics(self, density: float, gravity: float, points: int = 60) -> tuple[FloatArray, FloatArray]:
+    def hydrostatics(
+        self, density: float, gravity: float, points: int = 60, over: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the generalized hydrostatic force, shape (dof,) [N], and its stiffness, shape (dof, dof) [N/m].
+
+        The latter `over` some shapes alone, if given (dof, shape), (shape, shape).
 
         Notes
         -----
@@ -260,15 +265,18 @@ class DeformedShell:
         pressure). Symmetric, for a pressure field has a potential; capytaine's own matrix drops terms of it and is not.
         """
         dof = len(self.basis.labels)
-        force, jacobian = np.zeros(dof), np.zeros((dof, dof))
+        force, jacobian = np.zeros(dof), np.zeros((dof, dof) if over is None else (over.shape[1],) * 2)
         for phi, weight in self._wet_points(points):
             m = self.meridian(phi)
             ring, column = weight * m.x, weight * m.z * m.x
             normal_j = -m.dz * m.shape_x + m.dx * m.shape_z
-            turned = -(m.shape_x * column) @ m.dshape_z.T + (m.shape_z * column) @ m.dshape_x.T
             force = force + (m.z * m.x * normal_j) @ weight
+            if over is not None:
+                normal_j, m = over.T @ normal_j, m._replace(**{name: over.T @ getattr(m, name) for name in _SHAPES})
+            turned = -(m.shape_x * column) @ m.dshape_z.T + (m.shape_z * column) @ m.dshape_x.T
             jacobian = jacobian + normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
-        return 2 * np.pi * density * gravity * force, -2 * np.pi * density * gravity * jacobian
+        stiffness = -2 * np.pi * density * gravity * jacobian
+        return 2 * np.pi * density * gravity * force, stiffness if over is None else (stiffness + stiffness.T) / 2
 
 
 def _chord_of_arcs(rest: ArcMeridian, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:

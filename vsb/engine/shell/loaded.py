@@ -292,6 +292,15 @@ class LoadedShell:
         force, stiffness = shell.hydrostatics(self.water_density, self.gravity, points)
         return force, (stiffness + stiffness.T) / 2
 
+    def _hydrostatics_over(self, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force of the water on the undeformed shell, (dof,) [N], and its stiffness over some shapes of it alone."""
+        shell = self.basis.shell
+        if np.imag(self.centre_height) or np.imag(shell.radius) or (shell.rest and shell.rest.stepped):
+            water, points = self._water(self._undisplaced)
+            return water.hydrostatics(self.water_density, self.gravity, points, shapes)
+        force, stiffness = replace(self, centre_height=np.real(self.centre_height))._hydrostatics(self._undisplaced)
+        return force, shapes.T @ stiffness @ shapes
+
     @property
     def _of_shapes(self) -> "LoadedShell":
         """The same shapes of a dummy material, empty, in water of unit weight."""
@@ -483,6 +492,51 @@ def buckling_pencil(loaded: LoadedShell) -> tuple[FloatArray, FloatArray]:
     if load[0, 0].real > 0.0:  # a floating buoy finds its own heave: L cancels in the coupling over the waterplane
         load = load - np.outer(load[:, 0], load[0]) / load[0, 0]
     return loaded.unloaded_stiffness[1:, 1:], load[1:, 1:]
+
+
+@dataclass(frozen=True)
+class PencilSlopes:
+    """How K_0 and K_1 of `buckling_pencil` change over few shapes: their matrices of a changed shell are not formed."""
+
+    loaded: LoadedShell
+    shapes: FloatArray  # (mode, shape), without heave
+
+    @cached_property
+    def _factor(self) -> tuple[FloatArray, bool]:
+        """Of the stiffness at zero load."""
+        return cho_factor(self.loaded.unloaded_stiffness[1:, 1:])
+
+    def of(self, stepped: LoadedShell) -> tuple[FloatArray, FloatArray]:
+        """Return the imaginary parts of x^T K_0 x and x^T K_1 x of a shell with an imaginary step, each (shape,)."""
+        elastic, x = stepped.elastic, np.pad(self.shapes, ((1, 0), (0, 0)))
+        tables, zero, known = elastic._tables, np.zeros(len(x)), self.loaded.first_order
+        parts = (*tables.strains[:2], *tables.curvatures)
+        moduli = tables.area * stepped.basis.shell.wall.moduli(elastic.deformation(zero)).normal
+        (index, outside, reference), gradient = stepped._contents, elastic.volume_gradient(zero)
+        gas = index * outside / elastic.volume(zero)
+
+        def stressed(strains: Sequence[FloatArray]) -> list[FloatArray]:
+            return [np.asarray(sum(c * e for c, e in zip(row, strains, strict=True))) for row in moduli]
+
+        along, swept = [x.T @ part for part in parts], gradient @ x
+        unloaded = sum((e * s).sum(axis=1) for e, s in zip(along, stressed(along), strict=True)) + gas * swept**2
+        held = sum(part @ s for part, s in zip(parts, stressed([known @ part for part in parts]), strict=True))
+        force, water = stepped._hydrostatics_over(np.column_stack([np.eye(len(x), 1), x]))
+        left = stepped._force(zero, force) - held - gas * (gradient @ known) * gradient
+        at_rest = known + 1j * np.append(0.0, cho_solve(self._factor, left.imag[1:]))
+
+        (e, t, b), shell, m = (x.T @ part for part in tables.strains), stepped.basis.shell, tables.meridian
+        strained, around = at_rest @ tables.strains[0], at_rest @ tables.strains[1]
+        meridional, hoop = strained + shell.poisson_ratio * around, around + shell.poisson_ratio * strained
+        stretched = (meridional * tables.area) * (e**2 + b**2) + (hoop * tables.area) * t**2
+        inside = stepped.internal_pressure - index * outside * (gradient @ at_rest) / reference
+        out, down, weight = x.T @ m.shape_x, x.T @ m.dshape_z, 2 * np.pi * tables.dphi
+        growing = -((m.dz * weight) * out**2 + 2 * (m.x * weight) * out * down).sum(axis=1)
+        load = shell.membrane_stiffness * stretched.sum(axis=1) - inside * growing + np.diag(water)[1:]
+        load = load + index * stepped.internal_pressure / elastic.volume(zero) * swept**2
+        if water[0, 0].real > 0.0:  # as in `buckling_pencil`
+            load = load - water[0, 1:] ** 2 / water[0, 0]
+        return np.imag(unloaded), np.imag(load)
 
 
 def buckling(loaded: LoadedShell) -> Buckling:

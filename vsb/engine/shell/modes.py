@@ -28,7 +28,7 @@ from vsb.engine.shell.ritz import (
 )
 from vsb.engine.shell.shell import Shell, frequency_parameter
 from vsb.errors import ConfigError
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -112,11 +112,11 @@ def stiffness_of(shell: Shell, shapes: Iterable[Mode], *, bending: bool) -> Floa
     return _assembled(lambda degree: membrane_block(shell, degree) + bending_block(shell, degree), shapes)
 
 
-def _assembled(block: Callable[[int], FloatArray], shapes: Iterable[Mode]) -> FloatArray:
-    """Matrix of a quadratic form that couples equal degrees only, from its (V, U) block of a degree."""
+def _assembled(block: Callable[[IntArray], FloatArray], shapes: Iterable[Mode]) -> FloatArray:
+    """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks of degrees."""
     degrees, radial, meridional = zip(*((mode.degree, mode.radial, mode.meridional) for mode in shapes), strict=True)
-    vectors, blocks = np.column_stack([radial, meridional]), {n: block(n) for n in set(degrees)}
-    forces = np.einsum("si,sij->sj", vectors, np.array([blocks[n] for n in degrees]))
+    vectors = np.column_stack([radial, meridional])
+    forces = np.einsum("si,sij->sj", vectors, block(np.array(degrees)))
     return np.where(np.equal.outer(degrees, degrees), forces @ vectors.T, 0.0)
 
 
