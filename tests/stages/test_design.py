@@ -37,6 +37,7 @@ from vsb.report.design_page import (
     warnings,
 )
 from vsb.results.budget import MODES
+from vsb.results.year import POWER_ENDS
 from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes, under_limits
 from vsb.stages.design_preview import check, summary
@@ -220,28 +221,52 @@ def test_every_place_states_one_power_with_one_interval(run):
     assert found.power == {name: power.value for name, power in found.power_intervals.items()}
 
 
+@pytest.fixture(scope="module")
+def clamped(folder):
+    """The same with a clamp, which all degrees of the shell answer."""
+    study = shell_with(folder, "held", designs={"FSB": {"flexible": False}, "VSWEC": {"clamp": 90}})
+    plan = planned(folder, "clamped", study=study)
+    for task in plan.tasks:
+        run_task(task)
+    return plan
+
+
+def campaign_of(folder, plan, file, name, **changes):
+    """The campaign of a buoy found, over the seas it was found in."""
+    raw = yaml.safe_load(Path(plan.folder, f"{file}.yaml").read_text()) | changes
+    raw["hydro"] = raw.get("hydro", {}) | {"tolerance": 1e-4}
+    (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw | {"study": f"{name}_study"}))
+    campaign = {"campaign": name, "study": f"{name}_study.yaml", "tuning": ["fixed"]}
+    campaign |= {"climate": {"spectra": "sea.txt"}, "vary": {"device.mass": [raw["device"]["mass"]]}}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(campaign))
+    found = replace(plan_of(str(folder / f"{name}.yaml")), root=str(folder / "results"))
+    for task in found.tasks:
+        if task.stage != "campaign_report":
+            run_task(task)
+    return vsb.open(found.folder).data.squeeze()
+
+
 @pytest.mark.slow
 def test_a_campaign_of_the_optimum_at_a_finer_degree_lies_within_its_numerical_errors(run, folder):
     """Another solution of the same buoy: swept water, interpolated bands, degree 12 in place of 3."""
     found = vsb.open(run.folder)
     for name, file in ((FLEXIBLE, "optimum"), (COMPETITOR, "competitor")):
-        raw = yaml.safe_load(Path(run.folder, f"{file}.yaml").read_text())
-        raw |= {"modes": {"basis": "full", "degree": 12}}
-        raw["hydro"] = raw.get("hydro", {}) | {"tolerance": 1e-4}
-        (folder / f"finer_{file}_study.yaml").write_text(yaml.safe_dump(raw | {"study": f"finer_{file}_study"}))
-        campaign = {"campaign": f"finer_{file}", "study": f"finer_{file}_study.yaml", "tuning": ["fixed"]}
-        campaign |= {"climate": {"spectra": "sea.txt"}, "vary": {"device.mass": [raw["device"]["mass"]]}}
-        (folder / f"finer_{file}.yaml").write_text(yaml.safe_dump(campaign))
-        plan = replace(plan_of(str(folder / f"finer_{file}.yaml")), root=str(folder / "results"))
-        for task in plan.tasks:
-            if task.stage != "campaign_report":
-                run_task(task)
-        finer = vsb.open(plan.folder)
-        power = float(finer.data.annual_mean_power.sel(design=found.facts["designs"][name]).squeeze())
+        finer = campaign_of(folder, run, file, f"finer_{file}", modes={"basis": "full", "degree": 12})
+        power = float(finer.annual_mean_power.sel(design=found.facts["designs"][name]))
         budget = found.power_budget
         numerical = budget[(budget.buoy == name) & budget.source.isin([MODES, "coefficients and quadrature"])]
         own = 1e-4 * power  # of the campaign itself
         assert found.power[name] + numerical.low.sum() - own <= power <= found.power[name] + numerical.high.sum() + own
+
+
+@pytest.mark.slow
+def test_a_clamped_design_and_its_campaign_state_one_power(clamped, folder):
+    """Both with the modes of its degree and what all others do at the clamp: intervals overlap, and are as narrow."""
+    found, year = vsb.open(clamped.folder), campaign_of(folder, clamped, "optimum", "of_clamped").sel(design="VSWEC")
+    power, ends = found.power_intervals[FLEXIBLE], [float(year[name]) for name in POWER_ENDS]
+    assert float(year.annual_mean_power) == pytest.approx(power.value, rel=1e-4)
+    assert max(power.low, ends[0]) < min(power.high, ends[1])
+    assert 1 / 3 < (power.high - power.low) / (ends[1] - ends[0]) < 3
 
 
 @pytest.mark.slow

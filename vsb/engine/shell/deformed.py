@@ -98,8 +98,8 @@ class DeformedShell:
         m = self.meridian(phi)
         weight, arc = 2 * np.pi * weight, length(m.dx, m.dz)
         area: float = np.dot(weight, m.x * arc)
-        hoop = m.shape_x @ (weight * arc) / area
-        along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
+        hoop: FloatArray = m.shape_x @ (weight * arc) / area
+        along: FloatArray = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
         if rings := self.basis.rings:
             others, strains = -len(rings.labels), rings.mean_strains(upper, lower)
             hoop, along = (np.concatenate(pair) for pair in zip((hoop[:others], along[:others]), strains, strict=True))
