@@ -7,12 +7,12 @@ import pytest
 
 from tests.design.conftest import study_of
 from tests.design.test_evaluation import differences
-from vsb.design.controlled import ControlGrid, ControlledYear
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import linearised
 from vsb.design.optimise import VIOLATION, optimised
 from vsb.design.problem import Problem
 from vsb.design.resting import RestingBuoy
+from vsb.design.take_offs import ControlGrid, ControlledYear
 from vsb.design.year import PortYear, YearMotion
 from vsb.engine.motion.causal import RmsLimits
 from vsb.study.design import LEAST_STROKE, Variable

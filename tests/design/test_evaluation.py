@@ -11,7 +11,7 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements, linearised
 from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
-from vsb.design.several import SeveralYear
+from vsb.design.take_offs import SeveralYear
 from vsb.design.year import FrequencyGrid, YearMotion
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem

@@ -9,7 +9,7 @@ from scipy.stats import rayleigh
 
 from tests.design.conftest import study_of
 from vsb.design.evaluation import DesignModel
-from vsb.design.fatigue import damages
+from vsb.design.limits import damages
 from vsb.design.linearised import displacements
 from vsb.design.year import FrequencyGrid
 from vsb.engine.hydro.database import Coefficients, with_excitation

@@ -9,11 +9,18 @@ from scipy.stats import norm
 from tests.design.conftest import study_of
 from vsb.design.certificate import curvature, multipliers, newton_step
 from vsb.design.evaluation import Evaluation, Quantity
-from vsb.design.margins import probabilities
-from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, left_out, optimised, start_places
-from vsb.design.problem import Problem
+from vsb.design.optimise import (
+    KKT,
+    VIOLATION,
+    converged,
+    first_possible,
+    left_out,
+    optimised,
+    start_places,
+    within_limits,
+)
+from vsb.design.problem import Problem, probabilities
 from vsb.design.searched import shares_of
-from vsb.design.violation import within_limits
 from vsb.errors import ConvergenceError
 from vsb.study.design import DIVISORS, Variable
 from vsb.study.sections import DEGREES

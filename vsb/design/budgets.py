@@ -15,11 +15,9 @@ import numpy as np
 from scipy.integrate import quad
 
 from vsb.design.compared import Buoy, gain
-from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import RESOLVED, DesignModel
-from vsb.design.margins import depends
-from vsb.design.problem import POWER, objective
-from vsb.design.several import SeveralYear
+from vsb.design.problem import POWER, depends, objective
+from vsb.design.take_offs import ControlledYear, SeveralYear
 from vsb.design.year import PortYear, band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate

@@ -7,13 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.design.controlled import ControlGrid, ControlledYear, controlled_band
-from vsb.design.converted import ConvertedYear
-from vsb.design.fatigue import SeaMoments, damage
-from vsb.design.limits import hull, inverse_load_factors, static_strain
+from vsb.design.limits import SeaMoments, damage, hull, inverse_load_factors, static_strain
 from vsb.design.linearised import CLAMPED, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
-from vsb.design.several import SeveralYear
+from vsb.design.take_offs import ControlGrid, ControlledYear, ConvertedYear, SeveralYear, controlled_band
 from vsb.design.year import FrequencyGrid, PortYear, YearMotion, band, chebyshev, interpolation
 from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.engine.motion.causal import KEPT, RmsLimits

@@ -12,9 +12,8 @@ import xarray as xr
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, SPRING, AtRest, DesignModel
-from vsb.design.margins import spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
-from vsb.design.problem import IMPOSSIBLE, Point, Problem
+from vsb.design.problem import IMPOSSIBLE, Point, Problem, spread
 from vsb.design.resting import with_values
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate

@@ -5,10 +5,9 @@ from pathlib import Path
 from time import process_time
 from typing import NamedTuple
 
-from vsb.design.optimise import first_possible
+from vsb.design.optimise import first_possible, led_at_rest, within_limits
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.searched import degrees_of, places, problem_of
-from vsb.design.violation import led_at_rest, within_limits
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError

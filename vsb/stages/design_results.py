@@ -24,11 +24,10 @@ from vsb.design.compared import (
     twin,
     undeformed,
 )
-from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import Evaluation, Quantity
-from vsb.design.margins import depends, probabilities, spread
-from vsb.design.problem import IMPOSSIBLE, POWER, excesses, limit_parts
+from vsb.design.problem import IMPOSSIBLE, POWER, depends, excesses, limit_parts, probabilities, spread
 from vsb.design.searched import Outcome, best
+from vsb.design.take_offs import ControlledYear
 from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.keys.quantities import Section, canonical, content_id
