@@ -118,7 +118,10 @@ class DeformedShell:
 
     def curve(self, colatitude: FloatArray) -> Curve:
         """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
-        at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
+        at = self.basis.shell.at_rest(colatitude)
+        if not self.modal_amplitude.any():
+            return at._replace(z=self.centre_height + at.z)
+        sin, cos = np.sin(colatitude), np.cos(colatitude)
         v, slope, first, second = np.moveaxis(legvander(cos, len(self._series) - 1) @ self._series, -1, 0)
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
