@@ -1,4 +1,4 @@
-"""Budgets of powers and gains: power by sea, years drawn from one year, what cancels, waves that are not solved."""
+"""Buoys compared, and budgets of their powers and gains: power by sea, years drawn, what cancels, waves not solved."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 from design.conftest import study_of
 
 from vsb.design.budgets import PowerParts, drawn_years, power_of_seas, power_parts, uncertainty
-from vsb.design.compared import Buoy, gain
+from vsb.design.compared import Buoy, displacement_held, gain
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.problem import POWER
 from vsb.engine.waves.climate import Climate
@@ -122,3 +122,25 @@ def test_the_interval_of_a_profile_holds_the_power_of_the_curve_its_points_are_o
     low, high = uncertainty([power_parts(buoy, seas)]).budget.interval(buoy.power)
     assert abs(truth - buoy.power) > 1e-6 * buoy.power
     assert low <= truth <= high
+
+
+def test_a_spring_below_zero_holds_a_sphere_it_has_lifted_far_enough():
+    """Sphere of radius 1 m with its centre 0.25 m above the water: 0 = rho g (V(d) - V(d - s)) + k s of a spherical cap.
+
+    A weak spring holds it where its pull is all the weight; one of 0.9 of the waterplane's stiffness, still in the
+    water. Upside down, as much above the water as it had below, it is held as far below.
+    """
+    colatitude, draft, weight_density = np.linspace(0.0, np.pi, 2001), 0.75, 1025.0 * 9.81
+
+    def volume(depth: float) -> float:
+        return np.pi * depth**2 * (3 - depth) / 3
+
+    for centre in (1 - draft, draft - 1):
+        sphere = np.sin(colatitude), np.cos(colatitude) + centre
+        weak = -weight_density * volume(draft) / 10.0
+        assert displacement_held(sphere, 1025.0, 9.81, weak) == pytest.approx(10.0, rel=1e-3)
+        strong = -0.9 * weight_density * np.pi * draft * (2 - draft)
+        moved = displacement_held(sphere, 1025.0, 9.81, strong)
+        assert weight_density * (volume(draft) - volume(draft - moved)) == pytest.approx(-strong * moved, rel=1e-3)
+        assert 0 < moved < draft
+    assert displacement_held(sphere, 1025.0, 9.81, 0.0) == np.inf
