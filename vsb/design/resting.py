@@ -73,7 +73,7 @@ class RestingBuoy:
         device = study.device
         basis = complete_basis(Shell.of(device), degree, device.mass) if study.flexible else rigid_basis(device)
         loaded = loaded_shell(study, replace(basis, alpha=device.damping.alpha, beta=device.damping.beta))
-        at_rest = np.zeros(len(basis.labels))
+        at_rest: FloatArray = np.zeros(len(basis.labels))
         if study.at_equilibrium:
             at_rest = equilibrium(loaded) if near is None else equilibrium_near(loaded, near)
         answered = design and study.designs[design].flexible and loaded_at_ring(study, design)
