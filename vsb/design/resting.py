@@ -192,7 +192,9 @@ class RestingBuoy:
         """
         size = step_of(self.study, key)
         changed = with_variable(self.loaded, key, 1j * size, self.study.device)
-        rate = self.compliance @ changed.force(self.modal_amplitude).imag / size
+        same = changed.basis.shell.rest is self.loaded.basis.shell.rest and not np.imag(changed.basis.shell.radius)
+        force = changed.force(self.modal_amplitude, self._water_force if same else None)
+        rate = self.compliance @ np.imag(force) / size
         stepped = replace(changed, centre_height=changed.centre_height + 1j * size * rate[0])
         shell = rate * (np.arange(len(rate)) > 0)
         amplitude = self.modal_amplitude + 1j * size * shell if shell.any() else self.modal_amplitude
@@ -204,6 +206,11 @@ class RestingBuoy:
         key = f"{key}.0" if key.endswith(".clamp") else key
         study = with_values(self.study, {key: value_of(self.study, key) + degrees})
         return replace(self, study=study, loads=ring_loads(study), stepped_from=self.rings)
+
+    @cached_property
+    def _water_force(self) -> FloatArray:
+        """The force of the water on the buoy at rest, which no variable changes but those of its hull, (dof,) [N]."""
+        return self.loaded.water_force(self.modal_amplitude)
 
     @cached_property
     def compliance(self) -> FloatArray:

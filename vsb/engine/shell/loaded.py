@@ -95,7 +95,9 @@ class ElasticShell:
 
     def linear_resultants(self, q: FloatArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the membrane forces of small strains, C (e_phi + nu e_theta), N_theta, each shape (point,) [N/m]."""
-        meridional, hoop, _ = (q @ shape for shape in strain_shapes(self.basis, colatitude))
+        tables = self._tables
+        shapes = tables.strains if colatitude is tables.colatitude else strain_shapes(self.basis, colatitude)
+        meridional, hoop, _ = (q @ shape for shape in shapes)
         stiffness, nu = self.basis.shell.membrane_stiffness, self.basis.shell.poisson_ratio
         return stiffness * (meridional + nu * hoop), stiffness * (hoop + nu * meridional)
 
@@ -259,12 +261,9 @@ class LoadedShell:
         """The shell in the water, and the points per wet arc that resolve integrands of degree 4N+3."""
         return DeformedShell(self.basis, self.centre_height, q), 4 * self.basis.highest_degree + 40
 
-    def force(self, q: FloatArray) -> FloatArray:
-        """Return minus the gradient of the total potential, shape (dof,) [N]."""
-        return self._force(q, self._hydrostatics(q)[0])
-
-    def _force(self, q: FloatArray, water: FloatArray) -> FloatArray:
-        """The same, with that of the water given."""
+    def force(self, q: FloatArray, water: FloatArray | None = None) -> FloatArray:
+        """Return minus the gradient of the total potential, shape (dof,) [N]; that of the water may be known."""
+        water = self.water_force(q) if water is None else water
         pressure = self.pressure(q) * self.elastic.volume_gradient(q)
         return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self._weighed)
 
@@ -278,6 +277,10 @@ class LoadedShell:
             return np.zeros((len(q), len(q)))
         (index, outside, _), gradient = self._contents, self.elastic.volume_gradient(q)
         return np.outer(gradient, gradient) * (index * (outside + self.pressure(q)) / self.elastic.volume(q))
+
+    def water_force(self, q: FloatArray) -> FloatArray:
+        """Return the force of the water, shape (dof,) [N]."""
+        return self._hydrostatics(q)[0]
 
     def hydrostatic_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the stiffness of the water, shape (dof, dof) [N/m]; its round-off asymmetry removed."""
@@ -314,7 +317,7 @@ class LoadedShell:
         """Return `force` and `stiffness`, which share the meridian in the water."""
         water, stiffness = self._hydrostatics(q)
         contents = self.pressure_stiffness(q) + self.gas_stiffness(q)
-        return self._force(q, water), self.elastic.stiffness(q) + contents + stiffness
+        return self.force(q, water), self.elastic.stiffness(q) + contents + stiffness
 
     @cached_property
     def unloaded_stiffness(self) -> FloatArray:
@@ -522,7 +525,7 @@ class PencilSlopes:
         unloaded = sum((e * s).sum(axis=1) for e, s in zip(along, stressed(along), strict=True)) + gas * swept**2
         held = sum(part @ s for part, s in zip(parts, stressed([known @ part for part in parts]), strict=True))
         force, water = stepped._hydrostatics_over(np.column_stack([np.eye(len(x), 1), x]))
-        left = stepped._force(zero, force) - held - gas * (gradient @ known) * gradient
+        left = stepped.force(zero, force) - held - gas * (gradient @ known) * gradient
         at_rest = known + 1j * np.append(0.0, cho_solve(self._factor, left.imag[1:]))
 
         (e, t, b), shell, m = (x.T @ part for part in tables.strains), stepped.basis.shell, tables.meridian
