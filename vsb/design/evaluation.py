@@ -282,11 +282,8 @@ class DesignModel:
         apart = [np.asarray(values) - one.values for one in known]
         size = np.abs(values) + SMALL
         closest = int(np.argmin([np.abs(step / size).max() for step in apart]))
-        return (
-            known[closest].amplitude
-            + apart[closest] @ known[closest].slopes
-            - study.centre_height * (np.arange(len(known[closest].amplitude)) == 0)
-        )
+        amplitude = known[closest].amplitude + apart[closest] @ known[closest].slopes
+        return np.asarray(amplitude - study.centre_height * np.eye(len(amplitude))[0])
 
     def _remember(self, study: Study, values: Sequence[float], buoy: RestingBuoy, steps: Mapping[int, Stepped]) -> None:
         """Keep where a buoy rests, and how that changes with the variables, for buoys that are close."""
