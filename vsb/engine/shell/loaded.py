@@ -291,9 +291,17 @@ class LoadedShell:
         if not q.any():
             weight, (force, stiffness) = self.water_density * self.gravity, _undeformed(self._of_shapes)
             return weight * force, weight * stiffness
-        shell, points = self._water(q)
-        force, stiffness = shell.hydrostatics(self.water_density, self.gravity, points)
-        return force, (stiffness + stiffness.T) / 2
+        if (key := q.tobytes()) not in self._last_water:
+            shell, points = self._water(q)
+            force, stiffness = shell.hydrostatics(self.water_density, self.gravity, points)
+            self._last_water.clear()
+            self._last_water[key] = force, (stiffness + stiffness.T) / 2
+        return self._last_water[key]
+
+    @cached_property
+    def _last_water(self) -> dict[bytes, tuple[FloatArray, FloatArray]]:
+        """The last found of these, by the amplitudes: several matrices at one rest are asked for in turn."""
+        return {}
 
     def _hydrostatics_over(self, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force of the water on the undeformed shell, (dof,) [N], and its stiffness over some shapes of it alone."""
@@ -375,10 +383,16 @@ def complete_basis(shell: Shell, degree: int, mass: float) -> ModeBasis:
 
     Degree 1 has one function beside rigid heave, V = 1, U = -1/2, of no momentum. Meridional ones are scaled by 1/n.
     """
+    return ModeBasis(shell, _functions(degree), mass, bending=True)
+
+
+@lru_cache(maxsize=64)
+def _functions(degree: int) -> tuple[Mode, ...]:
+    """The same as modes, kept: comparing bases is then fast."""
     modes = [Mode("Radial0", 0, 1.0, 0.0), Mode("Membrane1", 1, 1.0, -0.5)]
     for n in range(2, degree + 1):
         modes += [Mode(f"Radial{n}", n, 1.0, 0.0), Mode(f"Meridional{n}", n, 0.0, 1 / n)]
-    return ModeBasis(shell, tuple(modes), mass, bending=True)
+    return tuple(modes)
 
 
 def _dominant_degree(elastic: ElasticShell, q: FloatArray) -> int:
