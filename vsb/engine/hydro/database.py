@@ -134,13 +134,9 @@ def solved_dataset(
     columns: Sequence[tuple[FloatArray | ComplexArray, ...]],
     directions: Sequence[float] | FloatArray = (0.0,),
 ) -> xr.Dataset:
-    """Return a solver's coefficients of displacements in waves of some directions [rad].
+    """Return a solver's coefficients of displacements at frequencies [rad/s] in waves of some directions [rad].
 
-    Parameters
-    ----------
-    omegas : sequence of float [rad/s]
-    columns : sequence of tuple
-        For each frequency added mass, damping, Froude-Krylov and diffraction force.
+    Each column holds added mass, damping, Froude-Krylov and diffraction force at one frequency.
     """
     added_mass, damping, *forces = (np.array(each) for each in zip(*columns, strict=True))
     shape, matrix = (len(omegas), len(directions), len(labels)), ("omega", *PAIR)

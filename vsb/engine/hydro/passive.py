@@ -414,8 +414,13 @@ def _fit_block(omega: FloatArray, k: ComplexArray, tolerance: float, limit: Limi
 
 def limit_shift(omega: FloatArray, missed: ComplexArray) -> FloatArray:
     """Return the symmetric D for which i omega D is nearest to a misfit, (omega, dof, dof) -> (dof, dof)."""
-    shift = np.einsum("w,wij->ij", omega, missed.imag) / (omega @ omega)
+    shift = _rate(omega, missed)
     return np.asarray(0.5 * (shift + shift.T))
+
+
+def _rate(omega: FloatArray, values: ComplexArray) -> FloatArray:
+    """Coefficient of i omega in values (omega, ...): that of a shift of added mass."""
+    return np.asarray(np.einsum("w,w...->...", omega, values.imag) / (omega @ omega))
 
 
 def _widened(a: FloatArray, b: FloatArray, poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
@@ -526,7 +531,8 @@ class _PassiveOutputs:
         states = np.einsum("mn,wn,nj->wjm", self.vectors, inside, self.inverse @ self.b, optimize=True)
         right = k.transpose(0, 2, 1)
         if limit == "fitted":
-            states, right = (_without_rate(omega, part) for part in (states, right))
+            rate = 1j * omega[:, None, None]
+            states, right = (part - rate * _rate(omega, part) for part in (states, right))
         rows, right = states.reshape(-1, len(self.a)), right.reshape(-1, k.shape[1])
         q, r = np.linalg.qr(np.vstack([rows.real, rows.imag]))
         target = q.T @ np.vstack([right.real, right.imag])
@@ -561,12 +567,6 @@ class _PassiveOutputs:
         to, back = root[:, None] * vectors[:, kept].T, vectors[:, kept] / root
         a, channel = to @ self.a @ back, back.T @ factor
         return RadiationModel(0.5 * (a - a.T) - 0.5 * channel @ channel.T, to @ self.b @ lead.T, channel)
-
-
-def _without_rate(omega: FloatArray, values: ComplexArray) -> ComplexArray:
-    """Values less their part along i omega, which a shift of added mass accounts for, shape (omega, ...)."""
-    part = np.einsum("w,w...->...", omega, values.imag) / (omega @ omega)
-    return np.asarray(values - 1j * omega[:, None, None] * part)
 
 
 def _scaled(size: FloatArray, groups: Sequence[IntArray], models: Sequence[RadiationModel | None]) -> RadiationModel:

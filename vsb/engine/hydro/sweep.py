@@ -109,13 +109,8 @@ def _leading(values: ComplexArray, size: FloatArray) -> ComplexArray:
 def interpolants(omega: FloatArray, values: ComplexArray, size: FloatArray) -> list[Rational]:
     """Return the interpolants with 1, 2, ... support points, each but the first where the last one missed most.
 
-    Parameters
-    ----------
-    omega : ndarray, shape (sample,) [rad/s]
-        Positive, different.
-    values : ndarray, shape (sample, column)
-    size : ndarray, shape (sample,)
-        Positive: how much an error counts at each sample.
+    Of values, shape (sample, column), at different positive frequencies, shape (sample,) [rad/s]; `size`, shape
+    (sample,), says how much an error counts at each.
     """
     combined = _leading(values, size)
     support: list[int] = []
@@ -146,16 +141,8 @@ def selected(
 
     Too few support points miss features, too many fit noise with doublets of poles and zeros; in between neighbours
     agree. Interpolants with a hidden pole (`Rational.spurious`) are passed over. Raises `ConvergenceError` if there are
-    fewer than `FEWEST_SAMPLES` samples.
-
-    Parameters
-    ----------
-    omega, values, size
-        Samples, as of `interpolants`.
-    grid : ndarray, shape (grid,) [rad/s]
-        Ascending.
-    on_grid : ndarray, shape (grid,)
-        How much an error counts there.
+    fewer than `FEWEST_SAMPLES` samples, which are as of `interpolants`. The grid is ascending, shape (grid,) [rad/s];
+    `on_grid`, shape (grid,), says how much an error counts there.
     """
     if len(omega) < FEWEST_SAMPLES:
         raise ConvergenceError(
