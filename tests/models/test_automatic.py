@@ -8,7 +8,7 @@ import pytest
 from conftest import varied
 
 from vsb.engine.integrators.harmonic_balance import harmonic_balance, steady_power
-from vsb.engine.motion.shell_forces import ElasticForce
+from vsb.engine.motion.forces import ElasticForce
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.waves.seas import sea
 from vsb.models.automatic import (

@@ -8,11 +8,11 @@ from models.test_stationary import PUBLISHED, example  # noqa: F401
 
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import legs
-from vsb.engine.motion.builders import linear_scene
 from vsb.engine.motion.constrained import optimum_in_sea
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.forces import TakeOff
 from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import linear_scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.climate import realised

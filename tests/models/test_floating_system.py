@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import varied
 from hydro.formats.test_capytaine import LABELS
-from motion.test_bodies import floating_body as made_body
+from motion.test_linear import floating_body as made_body
 
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.port import LinearPto

@@ -5,10 +5,9 @@ import pytest
 from conftest import SEED, only_run, varied
 
 from benchmarks.hard_cases import hydro_files
-from vsb.engine.integrators.periodic import periodic_power
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import legs, simulate
-from vsb.engine.integrators.switching import Switching
+from vsb.engine.integrators.switching import Switching, periodic_power
 from vsb.engine.motion.constrained import constrained_optimum
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.forces import Damper, Excitation, Spring, TakeOff
@@ -161,7 +160,7 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
     monkeypatch.setattr("vsb.models.latching.KNOWN_BODY_EXACT", 0.03)
     monkeypatch.setattr("vsb.models.latching.SCANNED", 4)
     monkeypatch.setattr("vsb.models.latching.KNOWN", 0.1)
-    monkeypatch.setattr("vsb.engine.integrators.periodic.MOST", 16)
+    monkeypatch.setattr("vsb.engine.integrators.switching.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},
@@ -187,7 +186,7 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     """Lighter than the optimal damper alone, and it absorbs more."""
     monkeypatch.setattr("vsb.models.latching.PAIRED", 4)
     monkeypatch.setattr("vsb.models.latching.ROUNDS", 1)
-    monkeypatch.setattr("vsb.engine.integrators.periodic.MOST", 16)
+    monkeypatch.setattr("vsb.engine.integrators.switching.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},

@@ -9,7 +9,7 @@ import xarray as xr
 from conftest import SMALL_PLAN, varied
 
 from vsb.engine.integrators.exact import propagate
-from vsb.engine.integrators.periodic import periodic_power
+from vsb.engine.integrators.switching import periodic_power
 from vsb.engine.motion.forces import Damper, Excitation, Spring
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System

@@ -19,9 +19,8 @@ from vsb.engine.integrators.exact import propagate, steady_state
 from vsb.engine.integrators.exponential import integrate
 from vsb.engine.integrators.harmonic_balance import steady_power
 from vsb.engine.integrators.settings import Simulation
-from vsb.engine.motion.builders import body_exact_scene, linear_scene
 from vsb.engine.motion.linear import LinearSystem
-from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.scene import Scene, body_exact_scene, linear_scene
 from vsb.engine.motion.system import Motion, System
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.loaded import LoadedShell

@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel
-from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, unit_heave
 from vsb.engine.motion.forces import AssumedPressure
 from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.reduced import ReducedMotions, reduced_motions
-from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.scene import Scene, assumed_pressure_scene, body_exact_scene, linear_scene, unit_heave
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.shell.deformed import DeformedShell

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from vsb.engine.integrators.periodic import Trials, periodic_power
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import legs
+from vsb.engine.integrators.switching import Trials, periodic_power
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.waves.seas import Sea

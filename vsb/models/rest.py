@@ -10,10 +10,10 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import block_diag, null_space
 
+from vsb.engine.motion.forces import loss, stiffening
 from vsb.engine.motion.frequency import allowed_part, compliance, softest, unrestrained_motions
 from vsb.engine.motion.linear import gas_compliance
 from vsb.engine.motion.port import port_direction
-from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import (
@@ -408,7 +408,7 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     """
     if study.hydro.model == "linear":
         return
-    from vsb.engine.motion.builders import still_scene  # compiled
+    from vsb.engine.motion.scene import still_scene  # compiled
 
     water = study.water
     for design in study.designs:

@@ -26,11 +26,10 @@ from scipy.interpolate import CubicSpline
 
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, Simulation
 from vsb.engine.integrators.simulate import legs
-from vsb.engine.motion.builders import body_exact_scene, linear_scene
 from vsb.engine.motion.controller import Controller
 from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
-from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.scene import Scene, body_exact_scene, linear_scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.shell.deformed import DeformedShell

@@ -7,8 +7,8 @@ import xarray as xr
 
 from vsb.engine.integrators.exact import propagate, steady_state
 from vsb.engine.integrators.harmonic_balance import check_stable, harmonic_balance
-from vsb.engine.integrators.periodic import periodic_power
 from vsb.engine.integrators.simulate import in_words, legs, recorded
+from vsb.engine.integrators.switching import periodic_power
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.shell.deformed import DeformedShell, enclosed

@@ -9,7 +9,7 @@ are known however fast a transient dies out or a mode rings. Each step starts fr
 gain in energy is compared with work they were not made from.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import factorial
 from typing import NamedTuple
@@ -24,25 +24,13 @@ TERMS = ("wave", "pto", "radiated", "structural", "stored")
 """Of every run; see `terms`."""
 RECORDS = 6  # that make a polynomial, two before the step
 GAUSS = 6
-ROUND_OFF = 1e-13  # of the largest force
+ROUND_OFF = 1e-13  # of the largest force: directions below it are none
 BLOCK = 512  # steps at a time: they stay in the cache
 
 
 def step_integrals(generator: FloatArray, forms: FloatArray) -> FloatArray:
-    """Return S = int_0^1 exp(X^T s) Q exp(X s) ds for each quadratic form Q.
+    """Return S = int_0^1 exp(X^T s) Q exp(X s) ds of quadratic forms Q, (form, state, state), X in units of a step.
 
-    Parameters
-    ----------
-    generator : ndarray, shape (state, state)
-        X of w' = X w, in units of the step.
-    forms : ndarray, shape (form, state, state)
-
-    Returns
-    -------
-    ndarray, shape (form, state, state)
-
-    Notes
-    -----
     Gauss' rule on a step so short that |X h| <= 1/2, then S(2h) = S(h) + E^T S(h) E with E = exp(X h). Nothing grows
     that does not grow in the scene, unlike Van Loan's block exponential, and E - I is what is doubled,
     2 (E - I) + (E - I)^2: slow motion beside a stiff mode keeps its digits.
@@ -66,11 +54,8 @@ def _through(form: FloatArray, flow: FloatArray) -> FloatArray:
     return np.asarray(flow[rows].T @ (form[np.ix_(rows, columns)] @ flow[columns]))
 
 
-class Factor(NamedTuple):
-    """A quadratic form, sum_i s_i (R w)_i^2."""
-
-    signs: FloatArray  # s (rank,)
-    rows: FloatArray  # R (rank, state)
+Factor = tuple[FloatArray, FloatArray]
+"""A quadratic form sum_i s_i (R w)_i^2: s (rank,) and R (rank, state)."""
 
 
 @dataclass(frozen=True)
@@ -82,39 +67,24 @@ class Flow:
     states: FloatArray  # z at the records (time, state)
     driven: FloatArray  # g at the records and two beyond either end, times dt (time + 4, free)
 
-    def generator(self, directions: FloatArray) -> FloatArray:
-        """Return X of w' = X w over a step, w = (z, derivatives of g along directions), as of `integrals`."""
-        (n, few), order = directions.shape, self.states.shape[1]
-        out = np.zeros((order + few * RECORDS, order + few * RECORDS))
-        out[:order, :order] = self.dt * self.matrix
-        out[order:, order:] = np.kron(np.eye(few), np.eye(RECORDS, k=1))
-        out[n : 2 * n, order::RECORDS] = directions
-        return out
-
     def integrals(self, losses: FloatArray, directions: FloatArray) -> tuple[list[Factor], FloatArray]:
         """Return factors of the losses over a step, and the moments of the velocity against the records of a force.
 
-        Parameters
-        ----------
-        losses : ndarray, shape (loss, state, state) [1/s]
-        directions : ndarray, shape (free, direction)
-            Orthonormal, of all forces.
-
-        Returns
-        -------
-        factors : list of Factor
-            Of the energy lost.
-        moments : ndarray, shape (direction records, state + direction records)
+        They act on w = (z, derivatives of g along orthonormal directions (free, direction) of all forces), of w' = X w,
+        the moments of shape (direction records, state + direction records).
         """
         (n, few), order = directions.shape, self.states.shape[1]
-        x = self.generator(directions)
+        x = np.zeros((order + few * RECORDS, order + few * RECORDS))
+        x[:order, :order] = self.dt * self.matrix
+        x[order:, order:] = np.kron(np.eye(few), np.eye(RECORDS, k=1))
+        x[n : 2 * n, order::RECORDS] = directions
         forms = np.zeros((len(losses) + 1, *x.shape))
         forms[:-1, :order, :order] = self.dt * losses
         forms[-1, order::RECORDS, n : 2 * n] = directions.T
         to_derivatives = np.eye(len(x))
         to_derivatives[order:, order:] = np.kron(np.eye(few), DERIVATIVES)
-        found = to_derivatives.T @ step_integrals(x, forms) @ to_derivatives
-        return [_factor(form) for form in found[:-1]], found[-1, order:]
+        over_step = to_derivatives.T @ step_integrals(x, forms) @ to_derivatives
+        return [_factor(form) for form in over_step[:-1]], over_step[-1, order:]
 
     def steps(self, force: FloatArray, start: int) -> FloatArray:
         """Return the records about each step of a block, shape (step, direction records)."""
@@ -123,48 +93,35 @@ class Flow:
         return windows[start:stop].reshape(stop - start, -1)
 
     def works(self, losses: FloatArray, acting: list[FloatArray]) -> FloatArray:
-        """Return losses and the work of acting forces since the start [J].
+        """Return losses and the work of acting forces since the start, shape (loss + acting, time) [J].
 
-        Parameters
-        ----------
-        losses : ndarray, shape (loss, state, state) [1/s]
-            Forms of the power lost, of the states the run has.
-        acting : list of ndarray, each shape (time, free)
-            On the modes.
-
-        Returns
-        -------
-        ndarray, shape (loss + acting, time)
+        Losses are forms of power, (loss, state, state) [1/s] of the states the run has; acting forces on the modes,
+        (time, free).
         """
         forces = [_extended(self.dt * force) for force in acting]
-        directions = _spanned([self.driven, *forces])
+        _, sizes, vectors = np.linalg.svd(np.concatenate([self.driven, *forces]), full_matrices=False)
+        directions = vectors[sizes > ROUND_OFF * sizes[0]].T  # regular waves have two
         driven, forces = self.driven @ directions, [np.asarray(force @ directions) for force in forces]
         factors, moments = self.integrals(losses, directions)
-        rows = np.vstack([*(factor.rows for factor in factors), moments])
-        ends = np.cumsum([len(factor.signs) for factor in factors])
+        rows = np.vstack([*(factor for _, factor in factors), moments])
+        ends = np.cumsum([len(signs) for signs, _ in factors])
         out = np.zeros((len(factors) + len(forces), len(self.states)))
         for start in range(0, len(self.states) - 1, BLOCK):
             records = self.steps(driven, start)
             here = slice(start + 1, start + 1 + len(records))
             *lost, velocity = np.split(rows @ np.vstack([self.states[start : here.stop - 1].T, records.T]), ends)
-            for i, (part, factor) in enumerate(zip(lost, factors, strict=True)):
-                out[i, here] = factor.signs @ part**2
+            for i, (part, (signs, _)) in enumerate(zip(lost, factors, strict=True)):
+                out[i, here] = signs @ part**2
             for i, applied in enumerate(forces, len(factors)):
                 out[i, here] = np.einsum("it,ti->t", velocity, self.steps(applied, start))
         return np.asarray(np.cumsum(out, axis=1))
 
 
-def _spanned(forces: Sequence[FloatArray]) -> FloatArray:
-    """Orthonormal directions of all forces but for round-off, (free, direction): regular waves have two."""
-    _, sizes, directions = np.linalg.svd(np.concatenate(forces), full_matrices=False)
-    return np.asarray(directions[sizes > ROUND_OFF * sizes[0]].T)
-
-
 def _factor(form: FloatArray) -> Factor:
-    """Factor of a symmetric form, without what is round-off."""
+    """Signs s and rows R of a symmetric form, sum_i s_i (R w)_i^2, without what is round-off."""
     values, vectors = np.linalg.eigh(0.5 * (form + form.T))
     kept = np.abs(values) > 1e-14 * np.abs(values).max()
-    return Factor(np.sign(values[kept]), (vectors[:, kept] * np.sqrt(np.abs(values[kept]))).T)
+    return np.sign(values[kept]), (vectors[:, kept] * np.sqrt(np.abs(values[kept]))).T
 
 
 _NODES = np.arange(RECORDS) - 2.0
@@ -181,15 +138,7 @@ def _extended(force: FloatArray) -> FloatArray:
 
 
 def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
-    """Return the motion of a run between its records.
-
-    Parameters
-    ----------
-    motion : Motion
-        With the memory states of the system, or none.
-    driving : ndarray, shape (time, free)
-        g at the records: what the springs, dampers and recorded memory states leave out, see `System.driving`.
-    """
+    """Return the motion of a run between its records, under `System.driving` (time, free)."""
     states, dt = system.states(motion), float(motion.time[1] - motion.time[0])
     known = states.shape[1]
     return Flow(dt, system.matrix[:known, :known], states, _extended(dt * driving))
@@ -198,15 +147,8 @@ def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
 def energies(system: System, motion: Motion, named: Mapping[str, FloatArray] | None = None) -> dict[str, FloatArray]:
     """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
 
-    Parameters
-    ----------
-    named : mapping, optional
-        `System.forces` of the motion, where they are known.
-
-    Notes
-    -----
     Losses and the waves' work are integrated along the flow between records (`Flow`), what is stored is read from the
-    records.
+    records. `named` are `System.forces` of the motion, where they are known.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is |L^T x|^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit then checks the whole chain. With the convolution the radiation force's work stands for both.
@@ -239,12 +181,7 @@ def energies(system: System, motion: Motion, named: Mapping[str, FloatArray] | N
 def absorbed_power(system: System, motion: Motion, named: Mapping[str, FloatArray]) -> FloatArray:
     """Return the power the take-off absorbs along a motion, shape (time,) [W]; `energies` has its integral as `pto`.
 
-    What a spring, or the gas of a chamber, stores and gives back is not absorbed (C7).
-
-    Parameters
-    ----------
-    named : mapping
-        See `System.forces`.
+    What a spring, or the gas of a chamber, stores and gives back is not absorbed (C7). `named` are `System.forces`.
     """
     scene, name = system.scene, system.scene.take_off
     if name not in scene.forces:

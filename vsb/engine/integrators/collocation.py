@@ -10,8 +10,7 @@ NumPy, all instants of a step together: a new force needs no compiled version.
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from scipy.special import comb
 from vsb.engine.integrators.exponential import lagrange, phi_integrals
 from vsb.engine.motion.system import Motion, System
 from vsb.errors import ConvergenceError
-from vsb.tools.arrays import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray
 
 NODES = 5
 PARTS = 8
@@ -51,12 +50,6 @@ class Step(NamedTuple):
     span: float  # [s]
     free: FloatArray  # (part, state, state)
     forced: FloatArray  # (part, state, NODES free)
-
-    @property
-    def nodes(self) -> IntArray:
-        """Parts a node after the first ends, shape (NODES - 1,)."""
-        parts = len(self.free) // (NODES - 1)
-        return np.asarray(np.arange(1, NODES) * parts - 1)
 
 
 def step_of(matrix: FloatArray, inputs: FloatArray, span: float, parts: int) -> Step:
@@ -94,14 +87,6 @@ class Samples(NamedTuple):
     added: Callable[[FloatArray, slice], FloatArray]  # n at rows of the instants
 
 
-def recorded(ends: FloatArray, level: int, tick: int) -> FloatArray:
-    """Return the recorded ones of the states at the ends of a step's parts; the step ends at a tick."""
-    if level >= 0:
-        parts = len(ends) >> level
-        return ends[parts - 1 :: parts]
-    return ends[len(ends) if tick & _MASK else -1 :]
-
-
 _AT_PROBE = _at(np.array([PROBE * (NODES - 1) / PARTS]))[0]
 
 
@@ -112,11 +97,8 @@ class Collocation:
     system: System
     dt: float  # between recorded instants [s]
     begin: float = 0.0  # the first of them [s]
-
-    @cached_property
-    def _steps(self) -> dict[int, Step]:
-        """Steps made so far, by level."""
-        return {}
+    _steps: dict[int, Step] = field(default_factory=dict, init=False)  # made so far, by level
+    _samples: dict[int, Samples] = field(default_factory=dict, init=False)  # the last ones of each level
 
     def step(self, level: int) -> Step:
         """Return the step of dt 2^level."""
@@ -125,11 +107,6 @@ class Collocation:
                 self.system.matrix, self.system.input, self.dt * 2.0**level, max(PARTS, 2 ** max(level, 0))
             )
         return self._steps[level]
-
-    @cached_property
-    def _samples(self) -> dict[int, Samples]:
-        """The last samples of each level."""
-        return {}
 
     def samples(self, level: int, tick: int) -> tuple[Samples, int]:
         """Return samples of the step of a level from a tick on, and the row it begins with; of many steps at once."""
@@ -141,52 +118,37 @@ class Collocation:
             self._samples[level] = have
         return have, (tick - have.first) // span * PARTS
 
-    @cached_property
-    def horizon(self) -> float:
-        """Time over which errors add up [s]: that of the slowest decay."""
-        slowest = -float(np.linalg.eigvals(self.system.matrix).real.max())
-        return 1.0 / slowest if slowest > 0 else np.inf
-
     def met(self, level: int, tick: int, z: FloatArray, f: FloatArray, limit: float) -> tuple[FloatArray, float]:
         """Return f at the nodes and the error of a step from z on: infinite if f does not converge, the step too long.
 
-        Parameters
-        ----------
-        level, tick : int
-            Of the step, and where it begins.
-        z : ndarray, shape (state,)
-        f : ndarray, shape (NODES, free)
-            First guess; exact at the start.
-        limit : float
-            Of the error.
+        Of a first guess f (NODES, free), exact at the start of the step, which begins at a tick. The error is that of
+        the polynomial at the probe, over all of the step; f may be off by a part of its limit.
         """
         step, (samples, row) = self.step(level), self.samples(level, tick)
-        found, before, rows = f.copy(), np.inf, slice(row + _NODE, row + PARTS + 1, _NODE)
-        free, forced, waves = step.free[step.nodes] @ z, step.forced[step.nodes], samples.waves[rows]
+        parts, rows = len(step.free), slice(row + _NODE, row + PARTS + 1, _NODE)
+        nodes = np.arange(1, NODES) * (parts // (NODES - 1)) - 1  # parts that end there
+        values, before = f.copy(), np.inf
+        free, forced, waves = step.free[nodes] @ z, step.forced[nodes], samples.waves[rows]
         for _ in range(SWEEPS):
-            new = samples.added(free + forced @ found.ravel(), rows) + waves
-            change = step.span * float(np.linalg.norm(new - found[1:]))
-            found[1:] = new
-            if change <= MET * limit + ROUND_OFF * step.span * float(np.linalg.norm(found)):
-                return found, self.missed(step, samples, row + PROBE, z, found)
+            new = samples.added(free + forced @ values.ravel(), rows) + waves
+            change = step.span * float(np.linalg.norm(new - values[1:]))
+            values[1:] = new
+            if change <= MET * limit + ROUND_OFF * step.span * float(np.linalg.norm(values)):
+                part, at = parts * PROBE // PARTS - 1, row + PROBE
+                there = step.free[part] @ z + step.forced[part] @ values.ravel()
+                actual = samples.added(there[None], slice(at, at + 1))[0] + samples.waves[at]
+                return values, step.span * float(np.linalg.norm(actual - _AT_PROBE @ values))
             if not change < 0.9 * before:
                 break
             before = change
         return f, np.inf
-
-    def missed(self, step: Step, samples: Samples, row: int, z: FloatArray, f: FloatArray) -> float:
-        """Return the error of a step: that of its polynomial at the probe, a row of the samples, over all of it."""
-        part = len(step.free) * PROBE // PARTS - 1
-        there, rows = step.free[part] @ z + step.forced[part] @ f.ravel(), slice(row, row + 1)
-        seen = samples.added(there[None], rows)[0] + samples.waves[row]
-        return step.span * float(np.linalg.norm(seen - _AT_PROBE @ f))
 
     def run(self, time: FloatArray, first: FloatArray, tolerance: float) -> tuple[FloatArray, int]:
         """Return the states at recorded instants, shape (time, state), and the number of steps tried.
 
         Raises `ConvergenceError` if steps have to be shorter than dt 2^`SHORTEST`.
         """
-        horizon, last = min(self.horizon, float(time[-1] - time[0])), (len(time) - 1) << -SHORTEST
+        horizon, last = min(self.system.horizon, float(time[-1] - time[0])), (len(time) - 1) << -SHORTEST
         out, z = np.zeros((len(time), len(first))), first
         f = np.tile(self.system.forcing(time[:1], first[None]), (NODES, 1))
         out[0], tick, level, steps, left = first, 0, 0, 0, 0.0
@@ -198,39 +160,32 @@ class Collocation:
             f, error = self.met(level, tick, z, f, share)
             steps += 1
             if not error <= share + SPENT * left:
-                level, f = self.shorter(level, tick), _at(_QUARTERS / 2) @ f
+                if level == SHORTEST:
+                    shortest = self.dt * 2.0**SHORTEST
+                    raise ConvergenceError(
+                        f"the motion cannot be followed at t = {self.begin + tick * shortest:.6g} s: the step became "
+                        f"shorter than {shortest:.1e} s; check the study for forces that jump, or raise "
+                        "simulation.tolerance."
+                    )
+                level, f = level - 1, _at(_QUARTERS / 2) @ f
                 continue
             ends, span = step.free @ z + step.forced @ f.ravel(), 1 << (level - SHORTEST)
             tick, z, left = tick + span, ends[-1], max(left + share - error, 0.0)
-            kept, record = recorded(ends, level, tick), 1 + (tick >> -SHORTEST)
-            out[record - len(kept) : record] = kept
+            if level >= 0:  # the recorded ones of the ends
+                parts, record = len(ends) >> level, 1 + (tick >> -SHORTEST)
+                out[record - (1 << level) : record] = ends[parts - 1 :: parts]
+            elif not tick & _MASK:
+                out[tick >> -SHORTEST] = z
             largest = max(largest, float(np.linalg.norm(z)))
             twice = level < LONGEST and error * GROWTH < share and tick % (2 * span) == 0
             level, f = level + twice, _at((NODES - 1) + _QUARTERS * (1 + twice)) @ f
         return out, steps
 
-    def shorter(self, level: int, tick: int) -> int:
-        """Return the level of half the step; `ConvergenceError` where there is none."""
-        if level > SHORTEST:
-            return level - 1
-        t = self.begin + tick * 2.0**SHORTEST * self.dt
-        raise ConvergenceError(
-            f"the motion cannot be followed at t = {t:.6g} s: the step became shorter than "
-            f"{self.dt * 2.0**SHORTEST:.1e} s; check the study for forces that jump, or raise simulation.tolerance."
-        )
-
 
 def collocated(system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float) -> tuple[Motion, int]:
     """Return the motion of a scene with any smooth forces at equally spaced times, and the number of steps tried.
 
-    Raises `ConvergenceError` if the motion cannot be followed; `ValueError` if a force switches.
-
-    Parameters
-    ----------
-    time, start
-        See `vsb.engine.integrators.exact.propagate`.
-    tolerance : float
-        Of the error of the motion, relative to the largest norm of the state so far: the root of twice its energy.
+    Parameters and errors of `vsb.engine.integrators.exponential.integrate`; for a scene with or without water.
     """
     system.check_smooth()
     method, first = Collocation(system, float(time[1] - time[0]), float(time[0])), system.first(start)

@@ -121,17 +121,8 @@ def convolve(
     """Return the motion with Cummins' convolution integral, by the average-acceleration method, second order.
 
     The reference for the state space: memory is int K(t - s) v(s) ds by the trapezoidal rule over the whole past, the
-    kernel straight from the damping. The system's own radiation memory is not used. Raises `ValueError` if the system
-    is not linear, or remembers more than radiation.
-
-    Parameters
-    ----------
-    system : System
-        Linear.
-    time : ndarray, shape (time,) [s]
-        Equally spaced.
-    start : tuple of ndarray, each shape (free,)
-        Initial y [m] and y' [m/s]; the water is at rest.
+    kernel straight from the damping; the system's own radiation memory is not used and the water rests at the start.
+    Parameters as `propagate`. Raises `ValueError` if the system is not linear, or remembers more than radiation.
     """
     if not system.linear:
         raise ValueError("convolution: received nonlinear forces, needs a linear scene; use `integrate`.")

@@ -18,8 +18,7 @@ The integrals P_k(h) = int_0^h exp((h - s) A) B s^(k-1)/(k-1)! ds = h^k phi_k(hA
 """
 
 import time as clock
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 from math import factorial
 from typing import Any, NamedTuple
 
@@ -42,18 +41,10 @@ class PhiIntegrals(NamedTuple):
     integrals: FloatArray  # (k, state, input)
 
     def of_polynomials(self, coefficients: FloatArray, unit: float) -> FloatArray:
-        """Return int_0^h exp((h-s) A) B l_i(s/unit) ds of polynomials l_i.
+        """Return int_0^h exp((h-s) A) B l_i(s/unit) ds of polynomials l_i, shape (polynomial, input, state).
 
-        Parameters
-        ----------
-        coefficients : ndarray, shape (power, polynomial)
-            Of x^power in l_i(x).
-        unit : float [s]
-
-        Returns
-        -------
-        ndarray, shape (polynomial, input, state)
-            Transposed: products with it run along the state.
+        Coefficients (power, polynomial) are of x^power in l_i(x). Transposed: products with the result run along the
+        state.
         """
         powers = range(len(coefficients))
         scaled = coefficients * np.array([[factorial(k) / unit**k] for k in powers])
@@ -62,14 +53,7 @@ class PhiIntegrals(NamedTuple):
 
 
 def phi_integrals(a: FloatArray, b: FloatArray, h: float, count: int) -> PhiIntegrals:
-    """Return exp(hA) and P_k(h), k = 1..count.
-
-    Parameters
-    ----------
-    a : ndarray, shape (state, state) [1/s]
-    b : ndarray, shape (state, input)
-    h : float [s]
-    """
+    """Return exp(hA) and P_k(h), k = 1..count, of A (state, state) [1/s], B (state, input) and h [s]."""
     if not is_small(a, h):
         return doubled(phi_integrals(a, b, h / 2, count))
     terms = [np.hstack([np.eye(len(a)), b])]
@@ -152,24 +136,6 @@ class Step(NamedTuple):
     record_free: FloatArray  # from one recorded instant to the next (state, state)
     record_forced: FloatArray  # to the coefficients of the polynomial, in recorded instants (KEPT, free, state)
     coefficients: FloatArray  # these coefficients from new and past values (KEPT, KEPT)
-
-
-def step_matrices(whole: PhiIntegrals, part: PhiIntegrals, record: PhiIntegrals, free: int) -> Step:
-    """Return the matrices of a step from the integrals over it, over its part up to `PROBE` and between records."""
-    d, dt = whole.span, record.span
-    newest = lagrange(np.append(1.0, _BACK))[:, 0]  # the polynomial that is 1 at the new node, 0 at all the past
-    return Step(
-        d,
-        np.ascontiguousarray(whole.exponential.T),
-        whole.of_polynomials(lagrange(_BACK[:PAST]), d),
-        whole.of_polynomials(_CORRECTOR[:, :1], d)[0],
-        whole.of_polynomials(newest[:, None], d)[0] - whole.of_polynomials(_CORRECTOR[:, :1], d)[0],
-        np.ascontiguousarray(part.exponential[:free].T),
-        np.ascontiguousarray(part.of_polynomials(_CORRECTOR, d)[..., :free]),
-        np.ascontiguousarray(record.exponential.T),
-        record.of_polynomials(np.eye(KEPT), dt),
-        _CORRECTOR * (dt / d) ** np.arange(KEPT)[:, None],
-    )
 
 
 @njit(cache=True)
@@ -389,6 +355,7 @@ class ExponentialIntegrator:
     system: System
     dt: float  # between recorded instants [s]
     begin: float = 0.0  # the first of them [s]
+    _integrals: dict[tuple[float, int], PhiIntegrals] = field(default_factory=dict, init=False)  # by unit and level
 
     @property
     def remainder(self) -> Remainder:
@@ -398,40 +365,33 @@ class ExponentialIntegrator:
             raise ValueError("exponential steps: needs a scene with water pressure; use propagate for a linear one.")
         return water._replace(diffraction=self.system.waves_sampler.held, begin=self.begin)
 
-    def sampled(self, duration: float) -> Remainder:
-        """Return the arguments with waves sampled for a run of some duration [s]."""
-        r, end = self.remainder, self.begin + duration
-        assert self.system.scene.water is not None
-        waves = self.system.scene.water.waves_during(self.begin, end)
-        return r._replace(waves=waves or r.waves, diffraction=self.system.waves_sampler.during(self.begin, end))
-
-    def horizon(self, duration: float) -> float:
-        """Time over which errors add up [s]: the motion, or less where its slowest mode forgets sooner."""
-        slowest = -float(np.linalg.eigvals(self.system.matrix).real.max())
-        return min(duration, 1.0 / slowest) if slowest > 0 else duration
-
-    @cached_property
-    def _integrals(self) -> dict[tuple[float, int], PhiIntegrals]:
-        """Integrals found so far, by unit and level."""
-        return {}
-
     def integrals(self, unit: float, level: int) -> PhiIntegrals:
         """Integrals over unit 2^level, twice those of half the span."""
-        key, a = (unit, level), self.system.matrix
-        if key not in self._integrals:
-            h = unit * 2.0**level
-            new = (
-                phi_integrals(a, self.system.input, h, KEPT + 1)
-                if is_small(a, h)
-                else doubled(self.integrals(unit, level - 1))
-            )
-            self._integrals[key] = new
+        key, a, h = (unit, level), self.system.matrix, unit * 2.0**level
+        if key not in self._integrals and is_small(a, h):
+            self._integrals[key] = phi_integrals(a, self.system.input, h, KEPT + 1)
+        elif key not in self._integrals:
+            self._integrals[key] = doubled(self.integrals(unit, level - 1))
         return self._integrals[key]
 
     def step(self, level: int) -> Step:
         """Matrices of a step of dt 2^level."""
+        whole, record, free = self.integrals(self.dt, level), self.integrals(self.dt, 0), self.system.free
         part = self.integrals(PROBE * self.dt, level)
-        return step_matrices(self.integrals(self.dt, level), part, self.integrals(self.dt, 0), self.system.free)
+        newest = lagrange(np.append(1.0, _BACK))[:, 0]  # the polynomial that is 1 at the new node, 0 at all the past
+        corrected = whole.of_polynomials(_CORRECTOR[:, :1], whole.span)[0]
+        return Step(
+            whole.span,
+            np.ascontiguousarray(whole.exponential.T),
+            whole.of_polynomials(lagrange(_BACK[:PAST]), whole.span),
+            corrected,
+            whole.of_polynomials(newest[:, None], whole.span)[0] - corrected,
+            np.ascontiguousarray(part.exponential[:free].T),
+            np.ascontiguousarray(part.of_polynomials(_CORRECTOR, whole.span)[..., :free]),
+            np.ascontiguousarray(record.exponential.T),
+            record.of_polynomials(np.eye(KEPT), record.span),
+            _CORRECTOR * (record.span / whole.span) ** np.arange(KEPT)[:, None],
+        )
 
     def run(self, first: FloatArray, count: int, tolerance: float) -> Run:
         """Return the states at `count` recorded instants.
@@ -444,9 +404,13 @@ class ExponentialIntegrator:
         largest = max(float(np.linalg.norm(first)), self.system.least)
         counters, levels = np.array([0, 0, 0, 0, HISTORY]), np.array([largest, 0.0, tolerance * largest])
         run.states[0], steps = first, {}
-        r = self.sampled(self.dt * (count - 1))
+        duration, water = self.dt * (count - 1), self.system.scene.water
+        r, end = self.remainder, self.begin + duration
+        assert water is not None
+        waves = water.waves_during(self.begin, end) or r.waves
+        r = r._replace(waves=waves, diffraction=self.system.waves_sampler.during(self.begin, end))
         remainder(r, 0.0, first[:free].copy(), run.pushes[0])
-        level, change, horizon = -1, 1, self.horizon(self.dt * (count - 1))
+        level, change, horizon = -1, 1, min(duration, self.system.horizon)
         while change:
             if level < SHORTEST:
                 shortest = self.dt * 2.0**SHORTEST
@@ -468,12 +432,10 @@ class ExponentialIntegrator:
 def integrate(system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float) -> tuple[Motion, int]:
     """Return the motion of a body-exact scene at equally spaced times, and the number of steps tried.
 
-    Raises `ConvergenceError` if the motion cannot be followed; `ValueError` if the scene is linear.
+    Raises `ConvergenceError` if the motion cannot be followed; `ValueError` if the scene is linear or a force switches.
 
     Parameters
     ----------
-    system : System
-        With water pressure.
     time, start
         See `vsb.engine.integrators.exact.propagate`.
     tolerance : float

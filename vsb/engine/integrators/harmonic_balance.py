@@ -8,21 +8,123 @@ With the natural modes u of the scene, y = S u, the motion with the wave's perio
 with s the squared natural frequencies and K the radiation at any frequency, of the memory's state space or directly
 from the damping. G are the harmonics of the nonlinear forces beyond their tangents, from samples of the orbit. Newton's
 method couples the low harmonics through the tangent along the orbit; the others, where Z dominates, follow by
-substitution. The residual at instants between the samples gives the error.
+substitution. The residual at instants between the samples gives the error. Floquet multipliers tell whether the orbit
+is stable.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from vsb.engine.integrators.collocation import NODES, step_of
 from vsb.engine.integrators.exact import steady_state
-from vsb.engine.integrators.floquet import harmonics_of, hill_matrix, largest, multipliers, phases, synthesized
 from vsb.engine.motion.system import EXCITING, System
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray
+
+# periodic functions and linear equations with periodic coefficients: f = Re sum F_h exp(-i h phase), h = 0, 1, ... (C1)
+
+
+SAMPLES = (32, 128, 512, 2048)
+"""Samples of a period tried for its multipliers."""
+AGREEMENT = 1e-7
+"""Tolerance of the largest multiplier, or a hundredth of its distance from one if that is larger."""
+
+
+def phases(count: int, offset: float = 0.0) -> FloatArray:
+    """Return equally spaced phases of a period [rad], the first `offset` of a distance after zero, shape (count,)."""
+    return 2 * np.pi / count * (np.arange(count) + offset)
+
+
+def harmonics_of(samples: FloatArray) -> ComplexArray:
+    """Return F_h from an even number of equally spaced samples of a period, shape (sample/2, ...)."""
+    count = len(samples)
+    out = 2 / count * np.conj(np.fft.rfft(samples, axis=0))[: count // 2]
+    out[0] /= 2
+    return np.asarray(out)
+
+
+def synthesized(harmonics: ComplexArray, phase: FloatArray) -> FloatArray:
+    """Return f at some phases, shape (phase, ...)."""
+    return np.real(np.exp(-1j * np.outer(phase, np.arange(len(harmonics)))) @ harmonics)
+
+
+def largest(harmonics: ComplexArray) -> float:
+    """Return a bound of a signal from its harmonics, of the component where it is largest."""
+    return float(np.abs(harmonics).sum(axis=0).max(initial=0.0))
+
+
+def hill_matrix(matrix: ComplexArray, count: int) -> FloatArray:
+    """Return the real matrix from the harmonics of u to those of E(t) u(t), shape (2, count, free, 2, count, free).
+
+    Of E its harmonics (harmonic, free, free), those beyond being zero. Axes are real and imaginary parts, harmonics and
+    components of the product, then of u; the mean has no imaginary part. With two-sided T_m, T_-m = conj T_m, the
+    product has harmonics sum_k T_(h-k) U_k + T_(h+k) conj U_k, the mean of u twice in all but the mean of the product.
+    """
+    two_sided = np.zeros((max(2 * count - 1, len(matrix)), *matrix.shape[1:]), dtype=complex)
+    two_sided[: len(matrix)] = matrix / 2
+    two_sided[0] *= 2
+    order = np.arange(count)
+    apart = order[:, None] - order
+    direct = np.where((apart >= 0)[..., None, None], two_sided[np.abs(apart)], two_sided[np.abs(apart)].conj())
+    mirrored = two_sided[order[:, None] + order]
+    mirrored[:, 0] = 0.0
+    mirrored[0] /= 2
+    direct[1:, 0] *= 2
+    direct[0, 1:] /= 2
+    plus, minus = direct + mirrored, direct - mirrored
+    blocks = np.array([[plus.real, -minus.imag], [plus.imag, minus.real]])
+    blocks[:, 1, :, 0], blocks[1, :, 0] = 0.0, 0.0
+    return np.ascontiguousarray(blocks.transpose(0, 2, 4, 1, 3, 5))
+
+
+def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatArray:
+    """Return the change of z over a period [s] of z' = (A + B W(t) P) z, shape (state, state).
+
+    Of W its values (sample, free, seen) [1/s] at equally spaced instants, a multiple of four of them: rates of
+    z[free:2 free] per unit z[:seen]. Exponential collocation: W P z is a polynomial through the five instants of a
+    step, the rest exact. Order 6, where A is stiff 5; what is seen at the nodes solves
+    p_i = exp(i d A) z + sum_j F_ij W_j p_j.
+    """
+    (_, free, seen), size, inner = coupling.shape, len(matrix), NODES - 1
+    steps = len(coupling) // inner
+    step = step_of(matrix, np.eye(size, free, -free), period / steps, inner)  # forces act on the rates
+    exact, forced = step.free, step.forced.reshape(inner, size, NODES, free)
+    nodes = coupling[(inner * np.arange(steps)[:, None] + np.arange(NODES)) % len(coupling)]
+    first = np.concatenate([nodes[:, 0], np.zeros((steps, free, size - seen))], axis=2)  # W P z at the start
+    mutual = np.einsum("iajf,sjfg->siajg", forced[:, :seen, 1:], nodes[:, 1:]).reshape(steps, inner * seen, -1)
+    alone = exact[:, :seen] + np.einsum("iaf,sfz->siaz", forced[:, :seen, 0], first)
+    there = np.linalg.solve(np.eye(inner * seen) - mutual, alone.reshape(steps, inner * seen, size))
+    acting = nodes[:, 1:] @ there.reshape(steps, inner, seen, size)
+    ends = exact[-1] + forced[-1, :, 0] @ first + np.einsum("ajf,sjfz->saz", forced[-1, :, 1:], acting)
+    whole: FloatArray = reduce(np.matmul, ends[::-1])
+    return whole
+
+
+def multipliers(matrix: FloatArray, coupling: Callable[[FloatArray], FloatArray], period: float) -> ComplexArray:
+    """Return the Floquet multipliers of z' = (A + B W(t) P) z, largest first, shape (state,).
+
+    `coupling` gives W at phases [rad]; see `monodromy`. Raises `ConvergenceError` if the largest is not resolved: stiff
+    modes without damping need more samples.
+    """
+    for count in SAMPLES:
+        sampled = coupling(phases(count))
+        values, coarse = (np.linalg.eigvals(monodromy(matrix, sampled[::every], period)) for every in (1, 2))
+        growth, before = (float(np.abs(found).max()) for found in (values, coarse))
+        if abs(growth - before) < max(AGREEMENT, 0.01 * abs(1 - growth)):
+            return np.asarray(values[np.argsort(-np.abs(values))], dtype=complex)
+    raise ConvergenceError(
+        f"stability of a periodic motion cannot be determined: a disturbance grows by {growth:.6g} in a period, "
+        f"or by {before:.6g} with half the samples; add structural damping, or follow the motion in time."
+    )
+
+
+# steady states ------------------------------------------------------------------------------------------------------
+
 
 Transfer = Callable[[FloatArray], ComplexArray]
 """Radiation K(i w) = B + i w (A - A(infinity)), shape (omega, dof, dof) [N s/m], at any w > 0."""
@@ -33,13 +135,13 @@ def regular_frequency(system: System) -> float:
 
     Raises `ConfigError` if there are several, or a load without a period.
     """
-    found = system.frequencies.tolist()
-    if len(found) > 1 or 0.0 in found:
+    known = system.frequencies.tolist()
+    if len(known) > 1 or 0.0 in known:
         raise ConfigError(
-            f"waves: received {len(found)} frequencies from {min(found):.4g} to {max(found):.4g} rad/s, needs one "
+            f"waves: received {len(known)} frequencies from {min(known):.4g} to {max(known):.4g} rad/s, needs one "
             "above zero: only a regular wave has a steady state; use kind: regular, or follow the motion in time."
         )
-    return float(found.pop()) if found else 0.0
+    return float(known.pop()) if known else 0.0
 
 
 @dataclass(frozen=True)
@@ -48,48 +150,23 @@ class PeriodicScene:
 
     system: System
     omega: float
-    transfer: Transfer | None  # none: nothing radiates
+    transfer: Transfer | None  # of radiation; none: nothing radiates
 
-    def radiation(self, omega: FloatArray) -> ComplexArray:
-        """Return conj K between the modes: radiation force -conj K U' (C1), shape (omega, free, free)."""
-        return self._between_modes(self.transfer, omega)
-
-    def relaxation(self, name: str, omega: FloatArray) -> ComplexArray:
-        """Return the same of another force with memory: a take-off behind a chamber, or a viscous material."""
-        memory = self.system.scene.memories.get(name)
-        return self._between_modes(memory.transfer if memory else None, omega)
-
-    @property
-    def relaxing(self) -> list[str]:
-        """Names of the forces with memory besides radiation."""
-        return [name for name in self.system.scene.memories if name != "radiation"]
-
-    def _between_modes(self, transfer: Transfer | None, omega: FloatArray) -> ComplexArray:
-        """Conjugate of a transfer function between the modes."""
+    def memories(self, omega: FloatArray) -> dict[str, ComplexArray]:
+        """Return conj K between the modes of every force with memory, -conj K U' (C1), each (omega, free, free)."""
+        others = {name: model.transfer for name, model in self.system.scene.memories.items() if name != "radiation"}
+        known = others if self.transfer is None else {"radiation": self.transfer, **others}
         shapes = self.system.shapes
-        if transfer is None:
-            return np.zeros((len(omega), self.system.free, self.system.free), dtype=complex)
-        return np.asarray(shapes.T @ transfer(omega).conj() @ shapes)
+        return {name: np.asarray(shapes.T @ transfer(omega).conj() @ shapes) for name, transfer in known.items()}
 
     def impedance(self, count: int) -> ComplexArray:
         """Return Z of the harmonics below `count`, shape (count, free, free) [1/s^2]."""
         free = self.system.free
         squares = -np.diag(self.system.matrix[free : 2 * free, :free]) * self.system.scale
         omega = self.omega * np.arange(1, count)
-        own = -self.system.matrix[free : 2 * free, free : 2 * free] + self.radiation(omega)
-        damping = sum((self.relaxation(name, omega) for name in self.relaxing), own)
+        damping = sum(self.memories(omega).values(), -self.system.matrix[free : 2 * free, free : 2 * free])
         moving = np.diag(squares) - omega[:, None, None] ** 2 * np.eye(free) - 1j * omega[:, None, None] * damping
         return np.concatenate([np.diag(squares)[None].astype(complex), moving])
-
-    @property
-    def wave_forcing(self) -> ComplexArray:
-        """Phasor of the linear waves on the modes, shape (free,)."""
-        return self.system.waves[0] if len(self.system.waves) else np.zeros(self.system.free, dtype=complex)
-
-    @property
-    def reach(self) -> float:
-        """Displacement beyond which an orbit is given up [m]."""
-        return 1e7 * self.system.size or np.inf
 
     def states(self, harmonics: ComplexArray, phase: FloatArray) -> FloatArray:
         """Return z of the modes and their rates along an orbit, shape (phase, 2 free)."""
@@ -127,7 +204,8 @@ class PeriodicScene:
         """Return G of an orbit, sampled at phases a whole period long, shape (sample/2, free)."""
         force = harmonics_of(self.remainder(phase, self.states(harmonics, phase)))
         force *= np.exp(1j * phase[0] * np.arange(len(force)))[:, None]
-        force[1] += self.wave_forcing
+        if len(self.system.waves):
+            force[1] += self.system.waves[0]
         return force
 
     def amplitude(self, harmonics: ComplexArray) -> float:
@@ -135,6 +213,8 @@ class PeriodicScene:
         return max(largest(harmonics[1:] @ self.system.modes.T), self.system.size) or 1.0
 
 
+FARTHEST = 1e7
+"""Displacement beyond which an orbit is given up, over `System.size`."""
 COUPLED, HIGHEST = 16, 1024
 """Harmonics Newton's method couples and starts with, and the most of all."""
 MOST_SAMPLES = 16384
@@ -253,7 +333,7 @@ def balanced(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> Orbit | No
         orbit = orbit._replace(harmonics=u, iterations=orbit.iterations + 1)
         if change <= max(0.01 * tolerance * scene.amplitude(u), 1e-7 * scene.system.size):
             return orbit
-        if not largest(u @ scene.system.modes.T) < scene.reach:
+        if not largest(u @ scene.system.modes.T) < (FARTHEST * scene.system.size or np.inf):
             return None
         if change > SLOW * previous:
             orbit = orbit._replace(newton=Newton(scene, orbit.impedance, u, 2 * COUPLED + 2))
@@ -292,10 +372,10 @@ def refined(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> tuple[Orbit
         if count > HIGHEST + 1 or samples > MOST_SAMPLES:
             break
         wider = np.concatenate([orbit.harmonics, np.zeros((count - len(orbit.harmonics), scene.system.free))])
-        found = balanced(scene, orbit._replace(harmonics=wider, impedance=scene.impedance(samples // 2)), tolerance)
-        if found is None:
+        finer = balanced(scene, orbit._replace(harmonics=wider, impedance=scene.impedance(samples // 2)), tolerance)
+        if finer is None:
             break
-        orbit = found
+        orbit = finer
     raise ConvergenceError(
         f"the steady state is known to {aliased + cut:.1e} with {len(orbit.harmonics) - 1} harmonics, needs "
         f"{tolerance:g}; use a gentler wave or a larger tolerance, or follow the motion in time."
@@ -314,9 +394,9 @@ def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit
     while share < 1.0:
         there = min(share + growth, 1.0)
         lower = scene if there == 1.0 else replace(scene, system=scene.system.scaled_waves(there))
-        found = balanced(lower, orbit, tolerance)
-        if found:
-            orbit, share, growth = found, there, 2 * growth
+        reached = balanced(lower, orbit, tolerance)
+        if reached:
+            orbit, share, growth = reached, there, 2 * growth
         else:
             growth /= 2
         if growth < LEAST_GROWTH:
@@ -327,9 +407,9 @@ def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit
     return orbit
 
 
-def check_stable(found: ComplexArray, period: float) -> None:
+def check_stable(factors: ComplexArray, period: float) -> None:
     """Check that no disturbance of an orbit grows; raises `StabilityError`."""
-    growth = float(np.abs(found).max())
+    growth = float(np.abs(factors).max())
     if growth > 1 + UNSTABLE:
         raise StabilityError(
             f"the steady state is unstable: received a disturbance multiplied by {growth:.6g} in every period of "
@@ -353,10 +433,10 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     def taken(transfer: ComplexArray) -> float:
         return 0.5 * float(np.real(np.einsum("hi,hij,hj", rate.conj(), transfer, rate)))
 
-    for name in scene.relaxing:
-        means[name] = means.get(name, 0.0) + taken(scene.relaxation(name, omega))
-    pto = means.pop(system.scene.take_off, 0.0)
-    return Power(wave, pto, taken(scene.radiation(omega)), sum(means.values()))
+    for name, transfer in scene.memories(omega).items():
+        means[name] = means.get(name, 0.0) + taken(transfer)
+    pto, radiated = (means.pop(name, 0.0) for name in (system.scene.take_off, "radiation"))
+    return Power(wave, pto, radiated, sum(means.values()))
 
 
 def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:
@@ -387,7 +467,7 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     exponentially with the number of harmonics under an assumed pressure, as long as the waterline does not meet a
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
-    omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.radiation
+    omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.memories.get("radiation")
     if system.has_latching_time:
         raise ValueError(
             "harmonic balance: received a latching or declutching take-off; needs another, or time domain."

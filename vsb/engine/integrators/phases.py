@@ -12,30 +12,138 @@ In a body-exact scene n(t, z) is what the water does beyond its tangent. Over on
 degree four through its values at five equally spaced instants of the motion it causes: exponential collocation, of
 order 6. Its Taylor coefficients are states like f, so the motion inside is that of a linear system, known at every
 instant an event may need, to the same order. No past is needed: a polynomial starts afresh after each event.
+
+Works are integrated between the nodes of a run, the instants of the lookout and the events. Between two of them every
+force is smooth, and states and their first two derivatives are known at both, z' = A z + B g and z'' = A z' + B g'.
+Power P has then a rule of order six,
+
+    int P dt = h/2 (P0 + P1) + h^2/10 (P0' - P1') + h^3/120 (P0'' + P1''):
+
+work along the exact motion, against which what the states store is audited. Work of the water beyond its tangent is
+the waves' work, except the part that is stored.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import factorial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
 
 from vsb.engine.integrators.exact import SERIES, steady_state, transition
 from vsb.engine.integrators.exponential import phi_integrals
-from vsb.engine.integrators.implicit_force import STALLED, Step, added, solve_nodes
-from vsb.engine.motion.system import Controller, Remainder, System
+from vsb.engine.motion.system import Controller, Remainder, System, remainder
 from vsb.engine.waves.sampling import Sampler, signals, signals_along
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.engine.waves.seas import superposed
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
+from vsb.tools.compiled import assign, njit
+
+# the force n(t, y) at the nodes of an implicit step, whose positions depend on it -------------------------------------
+
+
+SWEEPS, NEWTON = 40, 40
+ROUND_OFF = 4e-16
+"""Change of the state in a sweep that is round-off."""
+FAR = 1e3
+"""Displacement in radii beyond which an iteration has diverged."""
+LEAST_SHARE = 1e-4
+"""Least share of a Newton step."""
+STALLED = 1e-11
+"""Changes of the state that no longer decrease are round-off below this."""
+
+
+class Step(NamedTuple):
+    """Matrices of an implicit step; n needs positions alone."""
+
+    size: float  # [s]
+    free: FloatArray  # positions at the nodes without n (node * free, state)
+    forced: FloatArray  # what n at the nodes adds to the positions there (node * free, node * free)
+
+
+@njit(cache=True, inline="always")
+def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
+    """Return n at some instants, p and result of shape (instant, free); infinite far outside any shell."""
+    out = np.full(p.shape, np.inf)
+    if np.abs(p @ r.position.T).max() < FAR * r.shape.radius:
+        for i in range(len(time)):
+            remainder(r, time[i], p[i], out[i])
+    return out
+
+
+@njit(cache=True, inline="always")
+def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tuple[FloatArray, FloatArray]:
+    """Points where n is evaluated: the nodes, and for Newton's method on either side of them along every coordinate."""
+    nodes, free = p.shape
+    count = 1 + 2 * free if newton else 1
+    places, times = np.empty((count, nodes, free)), np.empty((count, nodes))
+    for c in range(count):
+        assign(times[c], time)
+        assign(places[c].ravel(), p.ravel())
+        for i in range(nodes * (c > 0)):
+            places[c, i, (c - 1) % free] += moved if c <= free else -moved
+    return places.reshape(-1, free), times.ravel()
+
+
+@njit(cache=True, inline="always")
+def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int) -> FloatArray:
+    """Derivative of what is missing of n by n, from n on either side of the nodes, (node * free, node * free)."""
+    out, force = -np.eye(nodes * free), around.reshape(2, free, nodes, free)
+    for j in range(free):
+        slope = (force[0, j] - force[1, j]) / (2 * moved)
+        for i in range(nodes):
+            for k in range(free):
+                for m in range(nodes * free):
+                    out[i * free + k, m] += slope[i, k] * step.forced[i * free + j, m]
+    return out
+
+
+@njit(cache=True)
+def solve_nodes(
+    r: Remainder, step: Step, time: FloatArray, carried: FloatArray, n: FloatArray, scale: float, enough: float
+) -> float:
+    """Solve for n at the nodes, the first at the start; return the last change of the state over the scale.
+
+    By substitution while that converges fast, else by Newton's method, shortened where the residual grows, until a
+    change is enough or round-off. The water's force is called in one place only: its code is large.
+    """
+    nodes, free = n.shape
+    now = n.ravel()
+    begun, base, full = now.copy(), now.copy(), np.zeros(nodes * free)
+    newton, share, least, change, sweep = False, 1.0, np.inf, np.inf, 0
+    while sweep < SWEEPS + NEWTON:
+        known = 1 if sweep > 0 and not newton else 0  # n at the start, whose position is given
+        positions = (carried + step.forced @ now).reshape(n.shape)
+        places, times = _places(positions[known:], time[known:], 1e-6 * scale, newton)
+        force = added(r, times, places)
+        missing = np.zeros(nodes * free)
+        missing[known * free :] = force[: nodes - known].ravel() - now[known * free :]
+        size = np.sqrt(np.sum(missing**2))
+        if newton and not size < least:
+            share /= 2
+            if change < STALLED or share < LEAST_SHARE:
+                assign(now, base)
+                break
+            assign(now, base + share * full)
+            continue
+        sweep, before, full = sweep + 1, change, missing
+        if newton:
+            full = np.linalg.solve(-_tangent(step, force[nodes:], 1e-6 * scale, nodes, free), missing)
+        share, least, change = 1.0, size, step.size * np.sqrt(np.sum(full**2)) / scale
+        assign(base, now)
+        assign(now, now + full)
+        if change <= max(enough, ROUND_OFF) or STALLED > change >= 0.5 * before:
+            break
+        if not newton and (sweep == SWEEPS or not change < 0.7 * before):
+            newton, least, change = True, np.inf, np.inf
+            assign(now, begun)
+    return float(change)
+
+
+# regimes ------------------------------------------------------------------------------------------------------------
+
 
 AHEAD = 128
 """Most instants computed ahead at a time."""
-
-
-FELT = 1e-3
-"""Modes that respond less than this part of the largest to an impulse at the port are neglected."""
 
 
 class Signals(NamedTuple):
@@ -216,26 +324,6 @@ class Phase:
         return out
 
 
-def port_rate(system: System, port: FloatArray, springs: Iterable[float], dampers: Iterable[float]) -> float:
-    """Return the fastest rate at a port [rad/s]: of modes under each of some springs at it, and of its dampers.
-
-    Parameters
-    ----------
-    port : ndarray, shape (free,)
-        Beta.
-    springs, dampers : iterable of float [N/m], [N s/m]
-    """
-    n = system.free
-    squares = -system.matrix[n : 2 * n, :n] * system.scale
-    rates = [c * float(port @ port) for c in dampers]
-    for spring in springs:
-        values, vectors = eigh((squares + squares.T) / 2 + spring * np.outer(port, port))
-        omega = np.sqrt(np.maximum(np.abs(values), 1e-6))
-        kick = (port @ vectors) ** 2 / omega
-        rates.append(float(omega[kick > FELT * kick.max()].max()))
-    return max(rates)
-
-
 LONGEST = 32
 """Most steps under one polynomial."""
 MATRICES = 2**21
@@ -279,6 +367,7 @@ class WetPhase(Phase):
     """A scene with water on its instantaneous wet shell; states are (z, f, Taylor coefficients of n)."""
 
     carried = NODES
+    _collocations: dict[int, Collocation] = field(default_factory=dict, init=False)  # found so far, by number of steps
 
     @property
     def reach(self) -> int:
@@ -288,21 +377,9 @@ class WetPhase(Phase):
     @cached_property
     def water(self) -> Remainder:
         """Arguments of the compiled n."""
-        found = self.system.remainder
-        assert found is not None
-        return found
-
-    def in_waves(self, time: FloatArray) -> Remainder:
-        """Return the arguments of n with waves sampled for some instants."""
-        water = self.system.scene.water
-        assert water is not None
-        waves = water.waves_during(float(time[0]), float(time[-1]))
-        return self.water._replace(waves=waves) if waves else self.water
-
-    @cached_property
-    def _collocations(self) -> dict[int, Collocation]:
-        """Collocations found so far, by number of steps."""
-        return {}
+        arguments = self.system.remainder
+        assert arguments is not None
+        return arguments
 
     def collocation(self, steps: int) -> Collocation:
         """Return the collocation over some steps."""
@@ -335,25 +412,28 @@ class WetPhase(Phase):
         the iteration does not converge: the steps are too long together.
         """
         count, n, z = len(self.matrix), self.system.free, state[: len(self.matrix) - 1]
-        own = self.collocation(steps)
-        span, time = own.nodes.size, t + own.nodes.size * _INSTANTS
-        water, swung = self.in_waves(time), self.swung(time)[:, :-1]
-        values = own.at_nodes @ state[count:].reshape(NODES, n)
+        rule = self.collocation(steps)
+        span, time = rule.nodes.size, t + rule.nodes.size * _INSTANTS
+        water, swung = self.water, self.swung(time)[:, :-1]
+        assert self.system.scene.water is not None
+        if waves := self.system.scene.water.waves_during(float(time[0]), float(time[-1])):
+            water = water._replace(waves=waves)
+        values = rule.at_nodes @ state[count:].reshape(NODES, n)
         around = state.copy()
         around[: len(z)] -= swung[0]
-        away = own.nodes.free @ around[:count] + swung[_AT_NODES, :n].ravel()
+        away = rule.nodes.free @ around[:count] + swung[_AT_NODES, :n].ravel()
         scale = max(float(np.linalg.norm(z)), self.system.least, span * water.round_off / STALLED)
         enough = MET * limit / scale
-        change = solve_nodes(water, own.nodes, time[_AT_NODES], away, values, scale, enough)
+        change = solve_nodes(water, rule.nodes, time[_AT_NODES], away, values, scale, enough)
         if not change < max(enough, STALLED):
             return state, np.inf
-        coefficients = own.coefficients @ values
+        coefficients = rule.coefficients @ values
         out = np.append(state[:count], coefficients)
         around[count:] = coefficients.ravel()
-        place = own.probe @ around + swung[_AT_PROBE, :n]
+        place = rule.probe @ around + swung[_AT_PROBE, :n]
         seen = added(water, time[_AT_PROBE : _AT_PROBE + 1], place[None])[0]
-        missed = seen - own.at_probe @ coefficients
-        return out, float(np.linalg.norm(missed @ own.missed)) + change * scale
+        missed = seen - rule.at_probe @ coefficients
+        return out, float(np.linalg.norm(missed @ rule.missed)) + change * scale
 
     def added(self, states: FloatArray) -> FloatArray:
         """Return n and its first two derivatives in time, shape (3, node, free)."""
@@ -366,3 +446,137 @@ class WetPhase(Phase):
         out[len(self.matrix) :] = 0.0
         out[len(self.matrix) : len(self.matrix) + n] = added(self.water, np.array([t]), state[None, :n].copy())[0]
         return out
+
+
+# forces and works of a run ------------------------------------------------------------------------------------------
+
+
+TERMS = ("wave", "pto", "structural", "radiated")
+AT_ONCE = 512
+"""Nodes accounted for together: what is kept of them stays in the cache."""
+
+
+class LinearLaw(NamedTuple):
+    """A force -(c V + k S + g C x) + f at the port, C x of a controller's states."""
+
+    damping: float  # c [N s/m]
+    stiffness: float  # k [N/m]
+    constant: float  # f [N]
+    output: float = 0.0  # g, 0 or 1
+
+
+class Piece(NamedTuple):
+    """What is in force between two events."""
+
+    phase: Phase
+    taken: LinearLaw  # by the take-off, except the force that holds the port
+    stopped: LinearLaw  # by the end stop
+
+    def jet(self, states: FloatArray, driven: FloatArray) -> FloatArray:
+        """Return z, z', z'' of nodes, shape (3, node, state), from states (node, state + ...).
+
+        `driven` are waves, what the water does beyond its tangent, and their derivatives, shape (3, node, free).
+        """
+        matrix, n = self.phase.matrix, self.phase.system.free
+        constant = np.full((len(states), 1), self.taken.constant + self.stopped.constant)
+        out = [np.hstack([states[:, : len(matrix) - 1], constant])]
+        for forcing in driven[:2]:
+            rates = out[-1] @ matrix.T
+            rates[:, n : 2 * n] += forcing @ self.phase.allowed
+            out.append(rates)
+        return np.array(out)[:, :, :-1]
+
+    def at_port(self, load: LinearLaw, jet: FloatArray) -> FloatArray:
+        """Return a force on the port and its derivatives, shape (3, node)."""
+        rows = load.damping * self.phase.signals[1] + load.stiffness * self.phase.signals[0]
+        out = -jet @ (rows + load.output * self.phase.remembered)[:-1]
+        out[0] += load.constant
+        return np.asarray(out)
+
+    def powers(self, jet: FloatArray, driven: FloatArray, lost: FloatArray, radiated: FloatArray) -> FloatArray:
+        """Return the powers of `TERMS` and their derivatives, shape (term, 3, node).
+
+        `lost` and `radiated` are the forms of structural and radiated power, each shape (state, state).
+        """
+        n, phase = self.phase.system.free, self.phase
+        rate = jet[:, :, n : 2 * n]
+        velocity = (rate @ phase.port)[:, :, None]
+        taken = self.at_port(self.taken, jet)[:, :, None]
+        stopped = -self.stopped.damping * velocity  # the energy of its spring is stored
+        return np.array([
+            product(rate, driven),
+            -product(velocity, taken),
+            product(jet, jet @ lost) - product(velocity, stopped),
+            product(jet, jet @ radiated),
+        ])  # fmt: skip
+
+
+def product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a.b and its first two derivatives from those of a and b, shape (3, node)."""
+    zero, one, two, cross = (np.einsum("ki,ki->k", a[i], b[j]) for i, j in ((0, 0), (1, 0), (2, 0), (1, 1)))
+    return np.array([
+        zero,
+        one + np.einsum("ki,ki->k", a[0], b[1]),
+        two + 2 * cross + np.einsum("ki,ki->k", a[0], b[2]),
+    ])  # fmt: skip
+
+
+def integrated(before: FloatArray, after: FloatArray, spans: FloatArray) -> FloatArray:
+    """Return the integrals of P over spans from P, P', P'' at both ends, shape (..., 3, node) to (..., node)."""
+    plus, minus = before + after, before - after
+    return np.asarray(spans / 2 * plus[..., 0, :] + spans**2 / 10 * minus[..., 1, :] + spans**3 / 120 * plus[..., 2, :])
+
+
+def driven_at(system: System, time: FloatArray, regular: BoolArray) -> FloatArray:
+    """Return the waves and two derivatives at nodes, some equally spaced, on the modes, shape (3, node, free)."""
+    phasors = np.hstack([system.waves * (-1j * system.omega[:, None]) ** k for k in range(3)])
+    out = np.empty((len(time), phasors.shape[1]))
+    out[regular] = superposed(system.omega, phasors, time[regular])
+    others = np.flatnonzero(~regular)
+    for at in np.array_split(others, 1 + len(others) // AT_ONCE):
+        out[at] = np.real(np.exp(-1j * np.outer(time[at], system.omega)) @ phasors)
+    return out.reshape(len(time), 3, -1).transpose(1, 0, 2)
+
+
+class Account(NamedTuple):
+    """A run at its nodes."""
+
+    rates: FloatArray  # p'' (node, free)
+    taken: FloatArray  # force of the take-off on the port (node,) [N]
+    stopped: FloatArray  # of the end stop (node,) [N]
+    works: FloatArray  # of `TERMS` since the start (term, node) [J]
+
+
+def account(
+    system: System,
+    time: FloatArray,
+    states: FloatArray,
+    leaving: FloatArray,
+    pieces: dict[Piece, list[int]],
+    regular: BoolArray,
+) -> Account:
+    """Return accelerations, forces and works of a run at nodes, times (node,) [s].
+
+    `states` are as steps end at the nodes, `leaving` as they begin there, (node, state + ...): what is carried beyond
+    z and f differs. `regular` says which nodes are equally spaced.
+    """
+    n, last, driven = system.free, len(time) - 1, driven_at(system, time, regular)
+    own, structural, radiated = system.losses()
+    lost = own + structural
+    rates, works = np.empty((last + 1, n)), np.zeros((len(TERMS), last + 1))
+    taken, stopped = np.empty((2, last + 1))
+    for piece, nodes in pieces.items():
+        for at in np.array_split(np.array(nodes), 1 + len(nodes) // AT_ONCE):
+            forcing = driven[:, at] + piece.phase.added(leaving[at])
+            jet = piece.jet(states[at], forcing)
+            rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
+            taken[at] = piece.at_port(piece.taken, jet)[0]
+            if piece.phase.held:
+                taken[at] = -piece.phase.net_force(states[at], forcing[0], piece.stopped.constant)
+            at = at[at < last]
+            received = driven[:, at + 1] + piece.phase.added(states[at + 1])
+            ends = piece.jet(states[at + 1], received)
+            before = piece.powers(jet[:, : len(at)], forcing[:, : len(at)], lost, radiated)
+            after = piece.powers(ends, received, lost, radiated)
+            works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
+    return Account(rates, taken, stopped, np.cumsum(works, axis=1))

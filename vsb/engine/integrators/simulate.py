@@ -18,7 +18,7 @@ from vsb.engine.integrators.switching import Switching
 from vsb.engine.motion.system import Motion, System
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.tools.arrays import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import FloatArray
 
 FARTHEST = 100.0
 """Heave in radii that no floating buoy reaches."""
@@ -59,7 +59,9 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
     kept = np.append(np.arange(0, len(motion.time) - 1, leg.stride * leg.thinning), len(motion.time) - 1)
     if leg.thinning > 1:
         watched = np.hstack([series["position"], series["velocity"], absorbed[:, None]])
-        kept = np.union1d(kept, _extremes(watched, (motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9)))
+        (inside,) = np.nonzero((motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9))
+        if inside.size:
+            kept = np.union1d(kept, inside[np.append(watched[inside].argmin(axis=0), watched[inside].argmax(axis=0))])
     balance = terms(leg.energy)
     run = xr.Dataset(
         {
@@ -70,13 +72,6 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
         coords={"time": motion.time[kept], "dof": labels, "term": list(balance)},
     )
     return run.assign(elevation=("time", sea.elevation(motion.time)[kept])) if sea else run
-
-
-def _extremes(series: FloatArray, inside: BoolArray) -> IntArray:
-    """Rows, among those inside, in which a column of a series has its least or its largest value."""
-    (rows,) = np.nonzero(inside)
-    extremes = [series[rows].argmin(axis=0), series[rows].argmax(axis=0)] if rows.size else []
-    return np.asarray(rows[np.ravel(extremes).astype(int)])
 
 
 EXACT = "exact propagation"
@@ -159,7 +154,9 @@ def legs(
 ) -> Iterator[Leg]:
     """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
-    A motion far from the limits of its take-off is followed without them: it never switches.
+    A motion far from the limits of its take-off is followed without them: it never switches. Exact propagation runs
+    once. Nonlinear scenes are recorded at half the distance until the audit closes to the tolerance: this refines the
+    audit, not the motion. For the convolution that distance is the step.
 
     Raises `ConvergenceError` if the audit of an exact propagation does not close; `StabilityError` if the buoy leaves
     the water for good.
@@ -167,9 +164,7 @@ def legs(
     Parameters
     ----------
     settings : Simulation
-        Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. Nonlinear scenes
-        are recorded at half the distance until the audit closes to the tolerance: this refines the audit, not the
-        motion. For the convolution that distance is the step.
+        Duration, initial heave and velocity, method, tolerance.
     spectrum : DampingSpectrum or None
         For the convolution only.
     longest : int or None
@@ -194,13 +189,9 @@ each period of the shortest wave, the shell may move a little further."""
 def _far_from_limits(system: System, run: Callable[[], Iterator[Leg]]) -> Iterable[Leg] | None:
     """Legs of a run of a system without its limits, forces not yet known; None if its motion comes near them."""
     motions = system.scene.motions.T
-
-    def near(leg: Leg) -> bool:
-        return system.scene.reach(leg.motion.position @ motions, leg.motion.velocity @ motions) > FAR
-
     try:
         for leg in run():
-            if near(leg):
+            if system.scene.reach(leg.motion.position @ motions, leg.motion.velocity @ motions) > FAR:
                 return None
     except (ConvergenceError, StabilityError):  # such as of a buoy that its end stop holds
         return None
@@ -223,7 +214,7 @@ def _legs(
     follow = METHODS[name].follower(system, settings.tolerance, spectrum)
     method = WET_SWITCHING if name == "switching" and system.scene.water else METHODS[name].words
     start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)
-    done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
+    done, stride, balance, errors = 0, 1, START, [np.inf, np.inf]
     while done < count:
         parts = 1 if convolved or longest is None else math.ceil((count - done) * stride / longest)
         last = done + math.ceil((count - done) / parts)
@@ -231,19 +222,19 @@ def _legs(
         motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
         check_floats(system, motion)
         forces = {} if motion.works else system.forces(motion)
-        own = energies(system, motion, forces)
-        energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
+        gained = energies(system, motion, forces)
+        energy = {term: gained[term] + balance.ended.get(term, 0.0) for term in gained}
         after = balance.after(energy)
-        found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
-        closed = found[-1] <= enough
-        if closed or found[-1] > 0.9 * found[-3] or stride == FINEST:  # or finer records do not help
+        errors.append(START.after(gained).unbalanced / after.largest if after.largest else 0.0)
+        closed = errors[-1] <= enough
+        if closed or errors[-1] > 0.9 * errors[-3] or stride == FINEST:  # or finer records do not help
             leg = Leg(motion, forces, energy, after, stride, thinning(count), method, steps)
             yield leg
             done, start, balance = last, leg.end, after
-            found = [np.inf, np.inf] if closed else found
+            errors = [np.inf, np.inf] if closed else errors
         elif name == "exact":
             raise ConvergenceError(
-                f"the energy audit does not close: {found[-1]:.1e} of the energy is missing, needs {enough:.0e}; "
+                f"the energy audit does not close: {errors[-1]:.1e} of the energy is missing, needs {enough:.0e}; "
                 "near an undamped resonance add device.damping or pto.damping, else raise simulation.tolerance."
             )
         else:

@@ -5,7 +5,7 @@ linear scene is one linear regime (`vsb.engine.integrators.phases`) whose motion
 at instants close enough for every motion the port can feel; where one has changed sign between two of them its zero is
 found by Brent's method on that motion. In a linear scene no step size matters but the distance of these instants. In a
 body-exact scene the rest of the water's force is added by polynomials of order 6, known inside to the same order, each
-over as many of these instants as the tolerance allows.
+over as many of these instants as the tolerance allows. In a regular wave the motion is followed until it is periodic.
 """
 
 import time as clock
@@ -14,10 +14,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from vsb.engine.integrators.phases import Phase, Signals, WetPhase, port_rate
-from vsb.engine.integrators.works import TERMS, LinearLaw, Piece, account
+from vsb.engine.integrators.harmonic_balance import regular_frequency
+from vsb.engine.integrators.phases import TERMS, LinearLaw, Phase, Piece, Signals, WetPhase, account
 from vsb.engine.motion.system import EndStop, Motion, System, TakeOff, joined
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import BoolArray, FloatArray
@@ -50,10 +51,6 @@ class Lookout(NamedTuple):
     def steps(self, mode: Mode) -> int:
         """Return the number of steps at once in a mode."""
         return 1 if mode.contact else self.stride
-
-    def apart(self, mode: Mode) -> float:
-        """Return the distance of instants in a mode [s]."""
-        return self.step * self.steps(mode)
 
     def ahead(self, mode: Mode, i: int, far: int) -> slice:
         """Return the next steps of a mode, at most `far`, after the i-th step."""
@@ -94,32 +91,15 @@ class Track:
         self.leaving[-1] = np.vstack([self.leaving[-1][:-1], state[None]])
         self.error += error
 
-    def nodes(self) -> dict[Mode, list[int]]:
-        """Return the nodes of each mode."""
-        out: dict[Mode, list[int]] = {}
-        for k, mode in enumerate(self.modes):
-            out.setdefault(mode, []).append(k)
-        return out
-
 
 def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
-    """Return the spans in which a guard, positive at both ends, may dip below zero, and where it is lowest.
+    """Return the spans in which a guard, positive at both ends, may dip below zero, and where in them it is lowest.
 
-    Parameters
-    ----------
-    values, rates : ndarray, shape (span + 1,)
-        At the ends of spans; rates per span.
-
-    Returns
-    -------
-    list of (span, part of it)
-
-    Notes
-    -----
-    Of the cubic through values and rates; where the rates are of one sign there is no bottom inside. A bottom right
-    behind the begin is round-off of the event there: friction lets go with neither velocity nor acceleration.
+    From values and rates per span at the ends of spans, (span + 1,), by the cubic through them; where the rates are of
+    one sign there is no bottom inside. A bottom right behind the begin is round-off of the event there: friction lets
+    go with neither velocity nor acceleration.
     """
-    found = []
+    minima = []
     for k in np.flatnonzero((values[:-1] > 0) & (values[1:] >= 0) & (rates[:-1] < 0) & (rates[1:] > 0)):
         low, high, falling, rising = values[k], values[k + 1], rates[k], rates[k + 1]
         bend, twist = 3 * (high - low) - 2 * falling - rising, 2 * (low - high) + falling + rising
@@ -127,8 +107,8 @@ def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
         # The root of the slope at which it rises, written so that a parabola, without a twist, is no special case.
         part = float(-falling / (bend + root) if bend > 0 else (root - bend) / (3 * twist))
         if part > SOON and low + part * (falling + part * (bend + part * twist)) < 0:
-            found.append((int(k), part))
-    return found
+            minima.append((int(k), part))
+    return minima
 
 
 RESOLVED = 0.25
@@ -145,6 +125,10 @@ AT_ONCE = 2**15
 """Instants of the lookout computed together: bounds the memory of a run."""
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
+
+
+FELT = 1e-3
+"""Modes that respond less than this part of the largest to an impulse at the port are neglected."""
 
 
 @dataclass(frozen=True)
@@ -187,12 +171,18 @@ class Switching:
         return self.system.shapes.T @ self.law.direction
 
     def rate(self, stop: EndStop | None) -> float:
-        """Return the fastest rate at the port [rad/s]: of modes under each spring, of the laws' dampers."""
-        springs = {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}
+        """Return the fastest rate at the port [rad/s]: of modes under each spring at it, of the laws' dampers."""
+        n, port, controller = self.system.free, self.port, self.law.controller
         dampers = (self.law.damping, self.law.latching_damping, stop.damping if stop else 0.0)
-        rate = port_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
-        poles = np.linalg.eigvals(self.law.controller.state_matrix) if self.law.controller else np.zeros(1)
-        return max(rate, float(np.abs(poles).max()))
+        rates = [c * float(port @ port) for c in dampers if np.isfinite(c)]
+        squares = -self.system.matrix[n : 2 * n, :n] * self.system.scale
+        for spring in {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}:
+            values, vectors = eigh((squares + squares.T) / 2 + spring * np.outer(port, port))
+            omega = np.sqrt(np.maximum(np.abs(values), 1e-6))
+            kick = (port @ vectors) ** 2 / omega
+            rates.append(float(omega[kick > FELT * kick.max()].max()))
+        poles = np.linalg.eigvals(controller.state_matrix) if controller else np.zeros(1)
+        return max(*rates, float(np.abs(poles).max()))
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
@@ -237,7 +227,7 @@ class Switching:
     def phase(self, mode: Mode, lookout: Lookout) -> tuple[Phase, float]:
         """Return the regime of a mode, and its constant force."""
         c, k, f, output = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
-        held, step = mode.way == 0, lookout.apart(mode)
+        held, step = mode.way == 0, lookout.step * lookout.steps(mode)
         key = c, k, output, held, f"{step:.9e}"  # equal in all blocks of a run but for round-off
         if key not in self.phases:
             kind = Phase if self.system.scene.water is None else WetPhase
@@ -247,6 +237,11 @@ class Switching:
 
     # events ---------------------------------------------------------------------------------------------------------
 
+    def wanted(self, mode: Mode, at: Signals) -> FloatArray:
+        """Return the force the spring, damper and controller want [N], before it is limited."""
+        c, k = self.law.coefficients(mode.in_latching_time)
+        return c * at.velocity + k * at.stroke + at.remembered
+
     def guards(self, mode: Mode, at: Signals, time: FloatArray) -> dict[str, FloatArray]:
         """Return the guards by event: an event occurs where its guard becomes negative."""
         out, law = {"resume": mode.until - time} if mode.in_latching_time else {}, self.law
@@ -255,18 +250,14 @@ class Switching:
         if np.isfinite(law.limit):
             if not mode.way:
                 out["slip"] = law.limit - np.abs(at.net_force)
+            elif mode.limited:
+                out["limit"] = mode.limited * self.wanted(mode, at) - law.limit
             elif not self.friction(mode):
-                out["limit"] = self._within(mode, at) * (-1 if mode.limited else 1)
+                out["limit"] = law.limit - np.abs(self.wanted(mode, at))
         if self.stop:
             inside = self.stop.stroke - np.abs(at.stroke)
             out["stop"] = mode.contact * at.stroke - self.stop.stroke if mode.contact else inside
         return out
-
-    def _within(self, mode: Mode, at: Signals) -> FloatArray:
-        """Distance of the force wanted below its limit [N]; of a limited one on its side."""
-        c, k = self.law.coefficients(mode.in_latching_time)
-        wanted = c * at.velocity + k * at.stroke + at.remembered
-        return self.law.limit - (mode.limited * wanted if mode.limited else np.abs(wanted))
 
     def after(self, event: str, mode: Mode, t: float, at: Signals) -> Mode:
         """Return the mode after an event."""
@@ -285,10 +276,9 @@ class Switching:
 
     def limited(self, mode: Mode, at: Signals, crossed: bool = False) -> Mode:
         """Return the mode with the piece of the spring-damper for its force."""
-        c, k = self.law.coefficients(mode.in_latching_time)
-        if np.isinf(c):
+        if self.friction(mode):
             return mode._replace(limited=0)
-        wanted = float(c * at.velocity + k * at.stroke + at.remembered)
+        wanted = float(self.wanted(mode, at))
         return mode._replace(limited=sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
 
     def stuck(self, mode: Mode, at: Signals) -> Mode:
@@ -306,11 +296,6 @@ class Switching:
         out[len(self.system.matrix)] = constant
         return out
 
-    def fresh(self, t: float, z: FloatArray, lookout: Lookout) -> FloatArray:
-        """Return (z, 0, ...) of a run that starts."""
-        phase, _ = self.phase(Mode(1), lookout)
-        return phase.reset(np.append(z, np.zeros(len(phase.flow) - len(z))), t)
-
     def first(self, t: float, state: FloatArray, lookout: Lookout) -> Mode:
         """Return the mode at the start of a run."""
         n = self.system.free
@@ -323,12 +308,6 @@ class Switching:
             mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=sign(at.net_force))
         return self.limited(mode, at)
 
-    def held(self, z: FloatArray) -> FloatArray:
-        """Return z with the port exactly at rest, where friction has stopped it."""
-        n, out = self.system.free, z.copy()
-        out[n : 2 * n] -= self.port * (self.port @ z[n : 2 * n]) / (self.port @ self.port)
-        return out
-
     # runs -----------------------------------------------------------------------------------------------------------
 
     def begun(
@@ -337,16 +316,10 @@ class Switching:
         """Return the start of so many steps, or fewer if their error per second exceeds a rate, and their error."""
         while True:
             limit = rate * steps * phase.step
-            found, error = phase.begun(t, state, steps, SAFE * limit)
+            started, error = phase.begun(t, state, steps, SAFE * limit)
             if steps == 1 or error <= SAFE * limit:
-                return found, error / SAFE, steps
+                return started, error / SAFE, steps
             steps //= 2
-
-    @cached_property
-    def horizon(self) -> float:
-        """Time over which errors add up [s]: that of the slowest decay without the take-off."""
-        slowest = -float(np.linalg.eigvals(self.system.matrix).real.max())
-        return 1.0 / slowest if slowest > 0 else np.inf
 
     def track(self, time: FloatArray, z: FloatArray, finer: int, over: float) -> tuple[Track, Mode]:
         """Return the motion at its nodes, the instants of the lookout and the events, and the mode at its end.
@@ -358,7 +331,8 @@ class Switching:
         grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
         t, i, far, track, order = float(grid[0]), 0, CLOSE, Track(lookout), len(z)
         track.largest = max(float(np.linalg.norm(z)), self.system.least)
-        state = self.fresh(t, z, lookout)
+        start, _ = self.phase(Mode(1), lookout)
+        state = start.reset(np.append(z, np.zeros(len(start.flow) - len(z))), t)
         mode = self.modes.get(t) or self.first(t, state, lookout)
         track.add(grid[:1], state[None], mode, whole[:1])
         while i < count and np.isfinite(track.error):
@@ -389,7 +363,9 @@ class Switching:
                 t += span
                 state = phase.states(np.array([t]), phase.later(transient, span)[None])[0]
                 mode = self.after(event, mode, t, self.signals_if_held(mode, t, state, lookout))
-                state = state if mode.way else self.held(state)
+                if not mode.way:  # friction has stopped the port exactly
+                    rates = slice(self.system.free, 2 * self.system.free)
+                    state[rates] -= self.port * (self.port @ state[rates]) / (self.port @ self.port)
                 track.switch(t, state, mode)
                 i = max(i, int(np.searchsorted(grid, t)) - 1)
                 if len(track.events) > MOST_EVENTS * (1 + i / finer):
@@ -405,7 +381,7 @@ class Switching:
         body-exact motion is not followed to the tolerance with the finest lookout.
         """
         duration = float(time[-1] - time[0])
-        over = min(whole or duration, self.horizon)
+        over = min(whole or duration, self.system.horizon)
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
             track, mode = self.track(time, z, finer, over)
@@ -435,8 +411,8 @@ class Switching:
                 bottom = self.guard(name, mode, phase, float(time[k]), transients[k], part * span)
                 parts[list(guards).index(name), k] = part if bottom < 0 else np.nan
         first = int(np.argmax(np.append(np.isfinite(parts).any(axis=0), True)))
-        found = zip(guards, parts[:, first], strict=True) if first < parts.shape[1] else ()
-        return first, {name: float(part) for name, part in found if np.isfinite(part)}
+        crossed = zip(guards, parts[:, first], strict=True) if first < parts.shape[1] else ()
+        return first, {name: float(part) for name, part in crossed if np.isfinite(part)}
 
     def rates(self, mode: Mode, at: Signals) -> dict[str, FloatArray]:
         """Return the rates of the guards for which they are known."""
@@ -446,7 +422,7 @@ class Switching:
             out["turn"] = mode.way * gained
             if np.isfinite(law.limit) and not self.friction(mode):
                 c, k = law.coefficients(mode.in_latching_time)
-                sign = mode.limited or -np.sign(c * at.velocity + k * at.stroke + at.remembered)
+                sign = mode.limited or -np.sign(self.wanted(mode, at))
                 out["limit"] = sign * (c * gained + k * at.velocity + at.remembered_rate)
         if self.stop:
             out["stop"] = at.velocity * (mode.contact or -np.sign(at.stroke))
@@ -500,21 +476,21 @@ class Switching:
         track, finer = self.tracked(time, start, whole)
         nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
         regular = np.concatenate(track.regular)
-        found = account(self.system, nodes, states, leaving, self.pieces(track), regular)
-        kept = np.flatnonzero(regular)[:: finer // track.lookout.stride]
-        n, z, name = self.system.free, states[kept], self.system.scene.take_off
+        accounts = account(self.system, nodes, states, leaving, self.pieces(track), regular)
+        recorded = np.flatnonzero(regular)[:: finer // track.lookout.stride]
+        n, z, name = self.system.free, states[recorded], self.system.scene.take_off
         forces = {
-            key: np.outer(found.taken[kept] if key == name else found.stopped[kept], law.direction)
+            key: np.outer(accounts.taken[recorded] if key == name else accounts.stopped[recorded], law.direction)
             for key, law in self.system.scene.laws.items()
         }
-        position, works = z[:, :n] @ self.system.position.T, dict(zip(TERMS, found.works[:, kept], strict=True))
+        position, works = z[:, :n] @ self.system.position.T, dict(zip(TERMS, accounts.works[:, recorded], strict=True))
         held = self.system.beyond_tangents(position)
         spring = self.law.potential_energy(position @ self.system.scene.motions.T)
         motion = Motion(
             time,
             position,
             z[:, n : 2 * n] @ self.system.modes.T,
-            found.rates[kept] @ self.system.modes.T,
+            accounts.rates[recorded] @ self.system.modes.T,
             z[:, 2 * n : len(self.system.matrix)],
             clock.perf_counter() - begun,
             forces,
@@ -523,9 +499,88 @@ class Switching:
         return motion, len(track.events)
 
     def pieces(self, track: Track) -> dict[Piece, list[int]]:
-        """Return the nodes from which each piece is in force."""
+        """Return the nodes from which each piece is in force, ascending."""
+        nodes: dict[Mode, list[int]] = {}
+        for k, mode in enumerate(track.modes):
+            nodes.setdefault(mode, []).append(k)
         out: dict[Piece, list[int]] = {}
-        for mode, own in track.nodes().items():
+        for mode, own in nodes.items():
             phase, _ = self.phase(mode, track.lookout)
             out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).extend(own)
         return {piece: sorted(own) for piece, own in out.items()}
+
+
+# mean power once the motion is periodic -----------------------------------------------------------------------------
+
+
+RECORDED = 16
+"""Recorded instants of a period."""
+FEWEST, MOST = 16, 64
+"""Periods followed at first, and at most at a time; each time twice as many."""
+MOST_INSTANTS = 2**15
+"""Most instants of a period at which switches are looked for: more would take hours for a steady state."""
+CONTINUED = 8
+"""Periods followed at first from the end of another motion."""
+FOLLOWED = 0.1
+"""Tolerance of the motion over that of its mean power."""
+Start = tuple[FloatArray, ...]
+"""y [m], y' [m/s] and memory states."""
+
+
+def periodic_power(system: System, tolerance: float = 1e-6) -> tuple[float, float]:
+    """Return the mean absorbed power of a scene in a regular wave [W], starting at rest, and its unsteadiness.
+
+    Over whole periods, the last quarter of the run. The unsteadiness is the largest relative difference between periods
+    of its last half: above the tolerance the motion is not periodic, or its transient outlasts the run. Raises
+    `ConfigError` if the sea is not one regular wave; `ConvergenceError` if the port responds so fast that a period
+    needs more than `MOST_INSTANTS` instants.
+    """
+    step = 2 * np.pi / regular_frequency(system) / RECORDED
+    runner = Switching(system)
+    if (instants := RECORDED * runner.finer(step)) > MOST_INSTANTS:
+        raise ConvergenceError(
+            f"no steady state was computed: the port responds at {runner.rate(runner.stop):.3g} rad/s, so each "
+            f"period needs {instants} instants, needs at most {MOST_INSTANTS}; leave out stiff modes "
+            "or soften the shell"
+        )
+    power, unsteady, _ = _follow(system, tolerance, system.scene.start(0.0, 0.0), FEWEST, MOST)
+    return power, unsteady
+
+
+@dataclass
+class Trials:
+    """Periodic powers of one scene under several laws, each motion started from the end of the best one so far.
+
+    A law may have several periodic motions: started from one that absorbs little it may stay in such a one. After
+    `CONTINUED` and `FEWEST` further periods the power is used as it is.
+    """
+
+    tolerance: float  # largest relative difference between late periods
+    most: float = -np.inf  # [W]
+    ended: Start | None = None  # the end of its motion
+
+    def power(self, system: System) -> float:
+        """Return the mean absorbed power of late periods [W]; 0 if the motion cannot be followed."""
+        start = self.ended or system.scene.start(0.0, 0.0)
+        try:
+            power, _, ended = _follow(system, self.tolerance, start, CONTINUED, FEWEST)
+        except ConvergenceError:
+            return 0.0
+        if power > self.most:
+            self.most, self.ended = power, ended
+        return power
+
+
+def _follow(system: System, tolerance: float, start: Start, fewest: int, most: int) -> tuple[float, float, Start]:
+    """Mean power of late periods of a motion started at a crest, their difference, and the end of the motion."""
+    period, runner = 2 * np.pi / regular_frequency(system), Switching(system, max(FOLLOWED * tolerance, EXACT))
+    begin, count = 0.0, fewest
+    while True:
+        end = begin + count * period
+        motion, _ = runner.follow(np.linspace(begin, end, count * RECORDED + 1), start)
+        half = (np.diff(motion.works["pto"][::RECORDED]) / period)[count // 2 :]
+        unsteady = float(np.ptp(half) / max(np.abs(half).max(), np.finfo(float).tiny))
+        start = (motion.position[-1], motion.velocity[-1], motion.memory[-1])
+        if unsteady <= tolerance or count >= most:
+            return float(half[count // 4 :].mean()), unsteady, start
+        begin, count = end, 2 * count

@@ -76,6 +76,9 @@ class ConstrainedOptimum(NamedTuple):
         return (self.bound - self.power) / max(abs(self.bound), np.finfo(float).tiny)
 
 
+SIDES = np.array([1.0, -1.0])[:, None]
+
+
 @dataclass(frozen=True)
 class _Programme:
     """Maximise Re(conj(f) v0)/2 - G |f|^2/2 within limits."""
@@ -94,6 +97,11 @@ class _Programme:
         """Mean power."""
         return float(np.sum((force.conj() * self.velocity).real - self.loss * np.abs(force) ** 2) / 2)
 
+    def slacks(self, force: ComplexArray) -> FloatArray:
+        """Distance to both sides of the limits, shape (limit, side, instant); negative beyond."""
+        pairs = zip(self.limits, self.values(force), strict=True)
+        return np.array([limit.largest - SIDES * value for limit, value in pairs])
+
     def values(self, force: ComplexArray) -> list[FloatArray]:
         """Limited signals at the collocation instants."""
         return [limit.offset + self.harmonics.signal(limit.gain * force) for limit in self.limits]
@@ -103,23 +111,23 @@ class _Programme:
         pairs = zip(self.limits, self.values(force), strict=True)
         return max((float(np.abs(value).max()) / limit.largest - 1 for limit, value in pairs), default=-1.0)
 
-    def pull(self, multipliers: Sequence[FloatArray]) -> ComplexArray:
-        """C^H mu, shape (harmonic,)."""
+    def pull(self, multipliers: FloatArray) -> ComplexArray:
+        """C^H mu of multipliers (limit, instant), shape (harmonic,)."""
         pairs = zip(self.limits, multipliers, strict=True)
         return np.asarray(sum(limit.gain.conj() * self.harmonics.phasors(mu) for limit, mu in pairs))
 
-    def bound(self, upper: Sequence[FloatArray], lower: Sequence[FloatArray]) -> float:
-        """Upper bound of the power of forces of the band from multipliers >= 0 of both sides of the limits."""
-        net = [p - m for p, m in zip(upper, lower, strict=True)]
+    def bound(self, multiplier: FloatArray) -> float:
+        """Upper bound of the power of forces of the band from multipliers >= 0 (limit, side, instant) of the limits."""
+        net = multiplier[:, 0] - multiplier[:, 1]
         held = sum(
             limit.largest * float((p + m).sum()) - float(limit.offset @ mu)
-            for limit, p, m, mu in zip(self.limits, upper, lower, net, strict=True)
+            for limit, (p, m), mu in zip(self.limits, multiplier, net, strict=True)
         )
         free = np.abs(self.velocity / 2 - self.pull(net)) ** 2 / (2 * self.loss)
         return held + float(free.sum())
 
-    def matrix(self, weights: Sequence[FloatArray]) -> FloatArray:
-        """G + C^T W C over real and imaginary parts of the force, its lower half, (2 harmonic, 2 harmonic)."""
+    def matrix(self, weights: FloatArray) -> FloatArray:
+        """G + C^T W C over real and imaginary parts of the force, its lower half; W (limit, instant)."""
         n = self.harmonics.count
         out = np.zeros((2 * n, 2 * n), order="F")
         for limit, weight in zip(self.limits, weights, strict=True):
@@ -152,8 +160,10 @@ class _Point:
 
     def moved(self, step: "_Point", share: float) -> "_Point":
         """The next iterate, at most a share of the way to the boundary or the whole step."""
-        primal = min(1.0, share * _room(self.slack, step.slack))
-        dual = min(1.0, share * _room(self.multiplier, step.multiplier))
+        primal, dual = (
+            min(1.0, share * float(1 / max(np.max(-change / value), 1e-30)))  # until a value reaches 0
+            for value, change in ((self.slack, step.slack), (self.multiplier, step.multiplier))
+        )
         return _Point(
             self.force + primal * step.force,
             self.slack + primal * step.slack,
@@ -161,35 +171,12 @@ class _Point:
         )
 
 
-def _room(value: FloatArray, change: FloatArray) -> float:
-    """Number of times a change can be applied before a value reaches 0."""
-    return float(1 / max(np.max(-change / value), 1e-30))
-
-
-SIDES = np.array([1.0, -1.0])[:, None]
-
-
-def _slacks(programme: _Programme, force: ComplexArray) -> FloatArray:
-    """Distance to both sides of the limits, shape (limit, side, instant); negative beyond."""
-    pairs = zip(programme.limits, programme.values(force), strict=True)
-    return np.array([limit.largest - SIDES * value for limit, value in pairs])
-
-
-def _start(programme: _Programme) -> _Point:
-    """Starting point: no force, slacks off the boundary, multipliers of the order of the available power."""
-    force = np.zeros(programme.harmonics.count, dtype=complex)
-    least = np.array([0.1 * limit.largest for limit in programme.limits])[:, None, None]
-    slack = np.maximum(_slacks(programme, force), least)
-    matched = float(np.sum(np.abs(programme.velocity) ** 2 / (8 * programme.loss)))
-    return _Point(force, slack, matched / (slack.size * slack))
-
-
 def _newton(programme: _Programme, at: _Point, factor: tuple[FloatArray, bool], target: FloatArray | float) -> _Point:
     """Newton step towards slack times multiplier equal to a target, with slacks consistent with the force."""
-    missing = _slacks(programme, at.force) - at.slack
+    missing = programme.slacks(at.force) - at.slack
     wanted = (target - at.multiplier * missing) / at.slack
     gradient = programme.velocity / 2 - programme.loss * at.force
-    gradient = gradient - programme.pull([w[0] - w[1] for w in wanted])
+    gradient = gradient - programme.pull(wanted[:, 0] - wanted[:, 1])
     solved = cho_solve(factor, np.concatenate([gradient.real, gradient.imag]), check_finite=False)
     force = solved[: len(gradient)] + 1j * solved[len(gradient) :]
     moved = np.array([SIDES * programme.harmonics.signal(limit.gain * force) for limit in programme.limits])
@@ -197,22 +184,16 @@ def _newton(programme: _Programme, at: _Point, factor: tuple[FloatArray, bool], 
     return _Point(force, slack, (target - at.multiplier * slack) / at.slack - at.multiplier)
 
 
-def _predicted_and_corrected(programme: _Programme, at: _Point) -> _Point:
-    """One predictor-corrector step of Mehrotra's method."""
-    weights = at.multiplier / at.slack
-    matrix = programme.matrix([w[0] + w[1] for w in weights])
-    factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-    straight = _newton(programme, at, factor, 0.0)
-    centring = (at.moved(straight, 1.0).mean_product / at.mean_product) ** 3
-    target = centring * at.mean_product - straight.slack * straight.multiplier
-    return at.moved(_newton(programme, at, factor, target), STEP_FRACTION)
-
-
 def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]:
-    """The best force with harmonics of the band, and the number of steps."""
-    at, best = _start(programme), np.inf
+    """The best force with harmonics of the band, by Mehrotra's predictor-corrector method, and the number of steps."""
+    # no force, slacks off the boundary, multipliers of the order of the available power
+    force = np.zeros(programme.harmonics.count, dtype=complex)
+    least = np.array([0.1 * limit.largest for limit in programme.limits])[:, None, None]
+    slack = np.maximum(programme.slacks(force), least)
+    matched = float(np.sum(np.abs(programme.velocity) ** 2 / (8 * programme.loss)))
+    at, best = _Point(force, slack, matched / (slack.size * slack)), np.inf
     for steps in range(MOST_STEPS):
-        best = min(best, programme.bound(list(at.multiplier[:, 0]), list(at.multiplier[:, 1])))
+        best = min(best, programme.bound(at.multiplier))
         if best < programme.least:
             raise NoForceFoundError(
                 f"pto: no force of the {programme.harmonics.count} harmonics up to "
@@ -222,7 +203,13 @@ def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]
         power = programme.power(at.force)
         if programme.excess(at.force) < KEPT and best - power <= tolerance * abs(best):
             return at.force, steps
-        at = _predicted_and_corrected(programme, at)
+        weights = at.multiplier / at.slack
+        matrix = programme.matrix(weights[:, 0] + weights[:, 1])
+        factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+        straight = _newton(programme, at, factor, 0.0)
+        centring = (at.moved(straight, 1.0).mean_product / at.mean_product) ** 3
+        target = centring * at.mean_product - straight.slack * straight.multiplier
+        at = at.moved(_newton(programme, at, factor, target), STEP_FRACTION)
     raise ConvergenceError(
         f"pto: the optimum under limits is not found to {tolerance:g} in {MOST_STEPS} steps (gap "
         f"{(best - power) / abs(best):.2g}); needs limits that leave more room"
@@ -278,14 +265,14 @@ def constrained_optimum(
         return _reported(programme, matched, programme.power(matched), 0)
     most = programme.power(matched)
     if np.isfinite(limits.force):
-        found = force_bound(harmonics, velocity, admittance, Limits(limits.force))
-        free = _linear_between_nodes(harmonics, port, velocity, found.force, found.power, found.steps)
+        limited = force_bound(harmonics, velocity, admittance, Limits(limits.force))
+        free = _linear_between_nodes(harmonics, port, velocity, limited.force, limited.power, limited.steps)
         if free.gap > REFINED:
-            refined = _refined(harmonics, port, velocity, limits.force, found)
-            free = _linear_between_nodes(harmonics, port, velocity, refined, found.power, found.steps)
+            refined = _refined(harmonics, port, velocity, limits.force, limited)
+            free = _linear_between_nodes(harmonics, port, velocity, refined, limited.power, limited.steps)
         if free.stroke_peak <= limits.stroke:
             return free
-        most = min(most, found.power)
+        most = min(most, limited.power)
     proved = force_bound(harmonics, velocity, admittance, limits, programme.least)
     if proved.power < programme.least:
         raise StabilityError(
@@ -328,12 +315,12 @@ def _linear_between_nodes(
     return ConstrainedOptimum(force, stroke, power, bound, rms, *peaks, 0.0, steps)
 
 
-def _refined(harmonics: Harmonics, port: Port, velocity: ComplexArray, limit: float, found: ForceBound) -> FloatArray:
+def _refined(harmonics: Harmonics, port: Port, velocity: ComplexArray, limit: float, bound: ForceBound) -> FloatArray:
     """Node values of the best piecewise-linear force within a limit, losses outside the band included.
 
     The power is concave in the node values and they are limited separately: L-BFGS-B.
     """
-    nodes, band = len(found.force), harmonics.count
+    nodes, band = len(bound.force), harmonics.count
     inside = 2 * limit / nodes * np.sinc(harmonics.omega / harmonics.spacing / nodes) ** 2
     beyond = 2 * limit / nodes * np.sinc(harmonics.outside / harmonics.spacing / nodes) ** 2
     loss, lost = port.admittance.real[:band], port.admittance.real[band:]
@@ -342,10 +329,10 @@ def _refined(harmonics: Harmonics, port: Port, velocity: ComplexArray, limit: fl
         f, g = inside * harmonics.phasors(u), beyond * harmonics.phasors_outside(u)
         power = np.sum((f.conj() * velocity).real - loss * np.abs(f) ** 2) / 2 - np.sum(lost * np.abs(g) ** 2) / 2
         slope = harmonics.signal(inside * (velocity / 2 - loss * f), NODES, -beyond * lost * g)
-        return -float(power) / found.power, -slope / found.power
+        return -float(power) / bound.power, -slope / bound.power
 
     best = minimize(
-        negative_power, found.force / limit, jac=True, method="L-BFGS-B", bounds=[(-1.0, 1.0)] * nodes,
+        negative_power, bound.force / limit, jac=True, method="L-BFGS-B", bounds=[(-1.0, 1.0)] * nodes,
         options={"ftol": 1e-8, "gtol": 0.0},
     )  # fmt: skip
     return limit * np.asarray(best.x)

@@ -74,19 +74,14 @@ class DraggedPort:
         flow: ComplexArray,
         coefficient: FloatArray,
     ) -> "DraggedPort":
-        """Return the port of a design.
+        """Return the port of a design, of a floating system in the waves of the flow.
 
         Parameters
         ----------
-        buoy : LinearSystem
-            In the waves of the flow.
         omega : ndarray, shape (omega,) [rad/s]
             Outside its band with the coefficients of the nearest end.
-        motions : ndarray, shape (dof, free)
-        direction : ndarray, shape (dof,)
-            b.
-        dragged : ndarray, shape (dragged, dof)
-            d.
+        motions, direction, dragged : ndarray, shapes (dof, free), (dof,) and (dragged, dof)
+            Those allowed, b and d.
         flow : ndarray, shape (omega, dragged)
             w per wave amplitude [1/s].
         coefficient : ndarray, shape (dragged,) [kg/m]
@@ -133,16 +128,7 @@ class DraggedPort:
         return Relative(flow, self.own - held[..., :, None] * self.across[:, None, :])
 
     def spread(self, force: ComplexArray, damping: FloatArray, squares: FloatArray) -> FloatArray:
-        """Return the root mean squares of u under a force at the port, shape (dragged,) [m/s].
-
-        Parameters
-        ----------
-        force : ndarray, shape (omega,) [N/m]
-            Per wave amplitude.
-        damping : ndarray, shape (dragged,) [N s/m]
-            D.
-        squares : ndarray, shape (omega,) [m^2]
-        """
+        """Return the root mean squares of u (dragged,) [m/s] under a force at the port (omega,) [N/m] and dampers D."""
         flow = Relative((self.past - self.across * force[:, None])[None], self.own[None])
         moved = flow.with_drag(damping[None], np.zeros(1, dtype=np.intp))[0]
         return np.asarray(np.sqrt(0.5 * squares @ np.abs(moved) ** 2))
@@ -150,12 +136,8 @@ class DraggedPort:
     def equivalent(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
         """Return D of every load in every sea, shape (load, sea, dragged) [N s/m].
 
-        Raises `ConvergenceError` if the dampers of several directions do not converge.
-
-        Parameters
-        ----------
-        squares : ndarray, shape (sea, omega) [m^2]
-        damping, stiffness : ndarray, shape (load,) [N s/m], [N/m]
+        Seas are squared amplitudes (sea, omega) [m^2]; dampers [N s/m] and springs [N/m] have shape (load,). Raises
+        `ConvergenceError` if the dampers of several directions do not converge.
         """
         seen, single = self.seen(damping, stiffness), (squares > 0).sum(axis=1) == 1
         factor = np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
@@ -167,8 +149,8 @@ class DraggedPort:
             return np.asarray(self.coefficient * factor[sea[case], None] * spread)
 
         dragged = len(self.coefficient)
-        found = _one_equivalent(given, len(load)) if dragged == 1 else _several_equivalent(given, len(load), dragged)
-        return found.reshape(len(damping), len(squares), -1)
+        solved = _one_equivalent(given, len(load)) if dragged == 1 else _several_equivalent(given, len(load), dragged)
+        return solved.reshape(len(damping), len(squares), -1)
 
     def powers(
         self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float = 1.0
@@ -198,8 +180,8 @@ def _one_equivalent(given: Given, cases: int) -> FloatArray:
         return d - given(d[:, None], case)[:, 0]
 
     bracket = (np.zeros_like(most), 1.001 * most + 1e-300)
-    found = find_root(missing, bracket, args=(np.arange(cases),), tolerances={"xrtol": CONVERGED})
-    return np.asarray(found.x)[:, None]
+    solution = find_root(missing, bracket, args=(np.arange(cases),), tolerances={"xrtol": CONVERGED})
+    return np.asarray(solution.x)[:, None]
 
 
 def _several_equivalent(given: Given, cases: int, count: int) -> FloatArray:
@@ -209,11 +191,11 @@ def _several_equivalent(given: Given, cases: int, count: int) -> FloatArray:
     proportion, so that a step leaves at most half of the distance.
     """
     every = np.arange(cases)
-    found = given(np.zeros((cases, count)), every)
+    solved = given(np.zeros((cases, count)), every)
     for _ in range(MOST_TURNS):
-        before, found = found, np.sqrt(found * given(found, every))
-        if np.all(np.abs(found - before) <= CONVERGED * found):
-            return found
+        before, solved = solved, np.sqrt(solved * given(solved, every))
+        if np.all(np.abs(solved - before) <= CONVERGED * solved):
+            return solved
     raise ConvergenceError("drag: the equivalent dampers of its directions do not converge")
 
 
@@ -224,13 +206,7 @@ def with_load(port: DraggedPort, squares: FloatArray, damping: float, stiffness:
 
 
 def best_damper(port: DraggedPort, squares: FloatArray, stiffness: float, efficiency: float) -> float:
-    """Return the damper with the largest sum of power over seas beside a given spring [N s/m].
-
-    Parameters
-    ----------
-    squares : ndarray, shape (sea, omega) [m^2]
-    stiffness : float [N/m]
-    """
+    """Return the damper with the largest sum of power over seas (sea, omega) [m^2] beside a given spring [N s/m]."""
     free = best_dampers(port.port, squares.sum(axis=0, keepdims=True), stiffness, efficiency).damping[0]
     if free == 0.0:
         return 0.0
@@ -245,13 +221,9 @@ def best_damper(port: DraggedPort, squares: FloatArray, stiffness: float, effici
 
 
 def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: float) -> Load:
-    """Return the optimal spring and damper in one sea, of the maxima reached from that beside a linear drag.
+    """Return the optimal spring and damper in one sea (1, omega) [m^2], of the maxima reached from a linear drag's.
 
-    Parameters
-    ----------
-    squares : ndarray, shape (1, omega) [m^2]
-    given : Load
-        An optimal damper beside the given spring: the result absorbs no less.
+    The load given is an optimal damper beside the given spring: the result absorbs no less.
     """
     if not port.port.moves:
         return given
@@ -269,7 +241,7 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
 
     held = [(p.damping[0], max(p.stiffness[0] - softest, least)) for p in (pair, given)]
     starts = np.log(held)
-    x, found = climbed(power, starts, np.full(starts.shape, STEP / 4))
-    best = int(np.argmax(found))
+    x, reached = climbed(power, starts, np.full(starts.shape, STEP / 4))
+    best = int(np.argmax(reached))
     damping, stiffness = load(x[[best]])
-    return given.elementwise_best(Load(damping, stiffness, found[[best]]))
+    return given.elementwise_best(Load(damping, stiffness, reached[[best]]))

@@ -163,19 +163,10 @@ MOST_STEPS = 60
 def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CELLS * NODES) -> float:
     """Return an upper bound of the mean over continuous time of |Re sum c_k exp(-i omega_k t)|.
 
-    Parameters
-    ----------
-    phasors : ndarray, shape (harmonic,)
-        c.
-    cells : int
-        Cells of the period, per instant of collocation.
-
-    Notes
-    -----
-    In a cell of length h the signal m differs from its chord by at most h^2 K/8, where K >= |m''| is the larger value
-    at both ends plus h/2 sum omega^3 |c|. Where the chord stays further than that from zero, m does not change sign and
-    the integral of |m| is the difference of its antiderivative. Elsewhere it is at most the integral of the chord's
-    magnitude plus h^3 K/12.
+    With so many cells of the period per instant of collocation. In a cell of length h the signal m differs from its
+    chord by at most h^2 K/8, where K >= |m''| is the larger value at both ends plus h/2 sum omega^3 |c|. Where the
+    chord stays further than that from zero, m does not change sign and the integral of |m| is the difference of its
+    antiderivative. Elsewhere it is at most the integral of the chord's magnitude plus h^3 K/12.
     """
     omega = harmonics.omega
     turn = -1.0 if harmonics.first % 1 else 1.0
@@ -199,13 +190,8 @@ def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CEL
 def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, gain: ComplexArray) -> None:
     """Add the lower half of C^T W C, where C x = Re sum gain_bk x_bk exp(-i omega_k t), over real and imaginary x.
 
-    Parameters
-    ----------
-    out : ndarray, shape (2 block harmonic, 2 block harmonic)
-        Real, then imaginary parts of each block; column-major.
-    toeplitz, hankel : ndarray, shape (harmonic,), (2 harmonic - 1,)
-        `Harmonics.products` of half the weights.
-    gain : ndarray, shape (block, harmonic)
+    In `out` real, then imaginary parts of each block; column-major. `toeplitz` and `hankel` are `Harmonics.products` of
+    half the weights, gain has shape (block, harmonic).
     """
     blocks, n = gain.shape
     for c in range(blocks):
@@ -296,13 +282,6 @@ class _Bound:
             sum(one.limit / self.nodes * one.gain.conj() * self.hat * self.harmonics.phasors(v) for one, v in pairs)
         )
 
-    @property
-    def negative_gradient(self) -> ComplexArray:
-        """Negative gradient of `quadratic` at x = 0, shape (block, harmonic)."""
-        out = np.asarray(sum(one.gain.conj() * one.free / 2 for one in self.multipliers), dtype=complex)
-        out[0] += self.velocity / (4 * self.loss)
-        return out
-
     def matrix(self, weights: FloatArray) -> FloatArray:
         """Lower half of the Hessian, weighted squares of `at_nodes` included, shape (unknown, unknown)."""
         blocks, n = self.multipliers[0].gain.shape
@@ -343,23 +322,15 @@ def _newton(
     slack = at.slack
     weight, pull = at.sides / slack, target / slack
     net, stiff = pull[:, 0] - pull[:, 1] + penalty * at.u, weight.sum(axis=1) + penalty
-    right = bound.negative_gradient - bound.from_nodes(at.u - net / stiff)
+    gradient = np.asarray(sum(one.gain.conj() * one.free / 2 for one in bound.multipliers), dtype=complex)
+    gradient[0] += bound.velocity / (4 * bound.loss)  # of minus `quadratic` at x = 0
+    right = gradient - bound.from_nodes(at.u - net / stiff)
     parts = np.stack([right.real, right.imag], axis=1)
     real, imag = np.moveaxis(cho_solve(factor, parts.ravel(), check_finite=False).reshape(parts.shape), 1, 0)
     x = real + 1j * imag
     u = (bound.at_nodes(x) - net) / stiff
     change = np.stack([u, -u], axis=1)
     return _Point(x - at.x, u, pull - at.sides + weight * change)
-
-
-def _start(bound: _Bound) -> _Point:
-    """Starting point: no force, and multipliers of the order of the available power."""
-    x = np.zeros(bound.multipliers[0].gain.shape, dtype=complex)
-    x[0] = bound.velocity
-    values = bound.at_nodes(x)
-    least = np.abs(values).mean(axis=1, keepdims=True) + bound.quadratic(0 * x) / values.size
-    sides = np.stack([np.maximum(v, 0) for v in (values, -values)], axis=1) + least[:, None]
-    return _Point(x, np.zeros(values.shape), sides)
 
 
 def force_bound(
@@ -372,19 +343,10 @@ def force_bound(
 ) -> ForceBound:
     """Return an upper bound of the mean power of every force within limits, of which at least one is finite.
 
-    Parameters
-    ----------
-    harmonics : Harmonics
-        Of the multipliers; they include those of the sea.
-    velocity : ndarray, shape (harmonic,) [m/s]
-        Free velocity V0 of the port in this sea.
-    admittance : ndarray, shape (harmonic,) [m/(N s)]
-        Y of the port, with a positive real part.
-    least : float [W]
-        Lower bound of what any force within its limit absorbs in the band. Iteration stops once the bound is below:
-        then no force keeps both limits.
-    tolerance : float [-]
-        Relative tolerance of the optimal multipliers. The bound is valid for any multipliers.
+    Of the multipliers' harmonics, which include those of the sea, the free velocity V0 of the port [m/s] and Y of the
+    port [m/(N s)], with a positive real part, each shape (harmonic,). `least` is a lower bound of what any force within
+    its limit absorbs in the band [W]: iteration stops once the bound is below, for then no force keeps both limits.
+    `tolerance` is that of the optimal multipliers; the bound is valid for any.
     """
     gamma = admittance / (1j * harmonics.omega)  # displacement per unit force
     unit, free = np.ones((1, harmonics.count), dtype=complex), velocity / (-1j * harmonics.omega)
@@ -398,9 +360,14 @@ def force_bound(
         gain = np.asarray(np.concatenate([0 * unit, unit]) if both else unit / gamma.conj(), dtype=complex)
         multipliers.append(_Multiplier(limits.stroke, gain, free))
     bound = _Bound(harmonics, velocity, admittance.real, multipliers)
-    at, missing = _start(bound), 1.0
-    matched = bound.quadratic(np.zeros_like(at.x))
-    penalty = 2 * PENALTY * min(matched, *np.abs(bound.at_nodes(at.x)).sum(axis=1)) / bound.nodes
+    x = np.zeros(multipliers[0].gain.shape, dtype=complex)
+    matched = bound.quadratic(x)
+    x[0] = velocity
+    values = bound.at_nodes(x)  # without force; multipliers of the order of the available power
+    least_side = np.abs(values).mean(axis=1, keepdims=True) + matched / values.size
+    sides = np.stack([np.maximum(v, 0) for v in (values, -values)], axis=1) + least_side[:, None]
+    at, missing = _Point(x, np.zeros(values.shape), sides), 1.0
+    penalty = 2 * PENALTY * min(matched, *np.abs(values).sum(axis=1)) / bound.nodes
     for steps in range(MOST_STEPS):  # noqa: B007 - returned
         value = float(np.abs(bound.at_nodes(at.x)).sum()) + bound.quadratic(at.x)
         products = at.slack * at.sides

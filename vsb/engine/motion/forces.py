@@ -7,20 +7,30 @@ serves all laws: a spring and a damper with limited force, F = -clip(c V + k S, 
 the linear take-off; an infinite c is friction, which holds the port at rest while the force needed stays within the
 limit (Coulomb's law, a hydraulic take-off of constant pressure). For a latching time after each reversal of V the law
 may change: held by friction the port is latched, without force it is declutched.
+
+Viscous material is Maxwell branches, springs in series with dashpots, beside the stiffness K of the shell. A branch of
+ratio r and relaxation time tau carries r K (q - s) with the dashpot's displacement s, tau s' = q - s. At a frequency
+the shell then has the complex stiffness (C1)
+
+    K [1 + sum r (-i w tau)/(1 - i w tau)] = K [1 + sum r w^2 tau^2/(1 + w^2 tau^2)] - i w K sum r tau/(1 + w^2 tau^2),
+
+storage and loss modulus of a generalised Maxwell model (Ferry, Viscoelastic Properties of Polymers, 1980). At rest the
+branches carry nothing. In time their states x = sqrt(r) L^T (q - s), K = L L^T, store |x|^2/2 and lose |x|^2/tau.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.motion.controller import Controller
-from vsb.engine.motion.froude_krylov import Incident, scaled, wave_forces
-from vsb.engine.motion.wetted import WetShell
+from vsb.engine.motion.wetted import Incident, WetShell, scaled, wave_forces
+from vsb.engine.shell.device import MaxwellBranch
+from vsb.engine.shell.loaded import LoadedShell
 from vsb.engine.waves.sampling import Sampler
 from vsb.engine.waves.seas import superposed
 from vsb.errors import ConfigError
@@ -40,11 +50,8 @@ class Linear(NamedTuple):
     fully_linear: bool = True
 
 
-class During(Protocol):
-    """A force at rows of given instants, from q and v there, shape (row, dof)."""
-
-    def __call__(self, q: FloatArray, v: FloatArray, rows: slice = ...) -> FloatArray:
-        """Return the force, shape (row, dof) [N]."""
+During = Callable[..., FloatArray]
+"""A force at rows of given instants, from q and v there and these rows (all by default), shape (row, dof) [N]."""
 
 
 class Force(ABC):
@@ -55,23 +62,15 @@ class Force(ABC):
         """Return its linear part."""
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the force along a motion, but for that of memory states.
+        """Return the force along a motion, but for that of memory states, shape (time, dof) [N].
 
-        Parameters
-        ----------
-        time : ndarray, shape (time,) [s]
-            Equally spaced.
-        q, v : ndarray, shape (time, dof) [m], [m/s]
-
-        Returns
-        -------
-        ndarray, shape (time, dof) [N]
+        Times [s] are equally spaced; q [m] and v [m/s] have shape (time, dof).
         """
         part = self.linear()
         terms = [x @ matrix.T for x, matrix in ((q, part.stiffness), (v, part.damping)) if matrix is not None]
         return -sum(terms[1:], terms[0]) if terms else np.zeros(q.shape)
 
-    def during(self, time: FloatArray) -> "During":
+    def during(self, time: FloatArray) -> During:
         """Return the force at some of these instants from q and v there; time-dependent parts are computed once."""
         return lambda q, v, rows=slice(None): self.force(np.ascontiguousarray(time[rows]), q, v)  # compiled once
 
@@ -92,11 +91,7 @@ class Force(ABC):
     def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
         """Return the power a take-off absorbs, -force.v less the rate of its potential energy, shape (time,) [W].
 
-        Parameters
-        ----------
-        q, v : ndarray, shape (time, dof) [m], [m/s]
-        force : ndarray, shape (time, dof) [N]
-            Its own along the motion, which q and v may not tell.
+        `force` is its own along the motion, (time, dof), which q and v may not tell.
         """
         return self.dissipated_power(v)
 
@@ -251,7 +246,7 @@ class QuadraticDrag(Force):
         """Return it along a motion."""
         return self.during(time)(q, v)
 
-    def during(self, time: FloatArray) -> "During":
+    def during(self, time: FloatArray) -> During:
         """Return it at some of these instants; the water's flow is computed once."""
         flow = superposed(self.omega, self.flow, time)
 
@@ -283,7 +278,7 @@ class WaterPressure(Force):
     """f_j = -int p n.psi_j dS on the instantaneous wet part of the deformed shell.
 
     The pressure is that of still water with an assumed P cos(omega t), or with waves
-    (`vsb.engine.motion.froude_krylov`).
+    (`vsb.engine.motion.wetted`).
     """
 
     shell: WetShell
@@ -430,17 +425,17 @@ class PortForce(Force):
         """Return it along a motion."""
         stroke, speed = q @ self.direction - self.rest, v @ self.direction
         try:
-            found = np.asarray(self.function(stroke, speed, time), dtype=float)
+            result = np.asarray(self.function(stroke, speed, time), dtype=float)
         except Exception as error:  # whatever a function of others may raise
             reason = " ".join(str(error).split()) or "no reason given"
             raise ConfigError(f"pto.law: {self.name} raised {type(error).__name__}: {reason}") from error
-        if found.shape != stroke.shape or not np.isfinite(found).all():
-            received = f"shape {found.shape}" if found.shape != stroke.shape else "NaN or infinite values"
+        if result.shape != stroke.shape or not np.isfinite(result).all():
+            received = f"shape {result.shape}" if result.shape != stroke.shape else "NaN or infinite values"
             raise ConfigError(
                 f"pto.law: received {received} of {self.name}, needs a finite force at every instant, shape "
                 f"{stroke.shape}"
             )
-        return np.asarray(np.outer(found, self.direction))
+        return np.asarray(np.outer(result, self.direction))
 
     def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
         """Return -f.v: what such a law stores is not known."""
@@ -475,3 +470,103 @@ class EndStop(Force):
     def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return the energy of its spring."""
         return np.asarray(0.5 * self.stiffness * self.beyond(q) ** 2)
+
+
+# the shell: rubber, however far it is stretched, and viscous material ------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ShellForce(Force):
+    """A force of the position alone with a potential, f = -dU/dq at the amplitudes of rest and motion together."""
+
+    loaded: LoadedShell
+    rest: FloatArray  # amplitudes of the reference shape, about which q is measured (dof,) [m]
+
+    @abstractmethod
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return -df/dq, shape (dof, dof) [N/m]."""
+
+    def linear(self) -> Linear:
+        """Its tangent about the reference shape."""
+        return Linear(stiffness=self.stiffness(np.zeros_like(self.rest)), fully_linear=False)
+
+
+@dataclass(frozen=True)
+class ElasticForce(ShellForce):
+    """The elastic force of the shell."""
+
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the Hessian of the elastic energy."""
+        return self.loaded.elastic.stiffness(self.rest + q)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the elastic force along a motion, shape (time, dof) [N]."""
+        return self.loaded.elastic.force(self.rest + q)
+
+    def potential_energy(self, q: FloatArray) -> FloatArray:
+        """Return the elastic energy."""
+        return np.asarray(self.loaded.elastic.energy(self.rest + q))
+
+
+@dataclass(frozen=True)
+class InsidePressure(ShellForce):
+    """The force of the pressure inside, p dV/dq, constant or of trapped gas."""
+
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return that of the follower pressure and of the gas."""
+        at = self.rest + q
+        return self.loaded.pressure_stiffness(at) + self.loaded.gas_stiffness(at)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the force of the pressure along a motion, shape (time, dof) [N]."""
+        at = self.rest + q
+        return np.asarray(np.asarray(self.loaded.pressure(at))[..., None] * self.loaded.elastic.volume_gradient(at))
+
+    def potential_energy(self, q: FloatArray) -> FloatArray:
+        """Return minus the work of the pressure."""
+        return self.loaded.contents_energy(self.rest + q)
+
+
+def shell_forces(loaded: LoadedShell, rest: FloatArray) -> dict[str, ShellForce]:
+    """Return the forces of a shell by name: elastic, and of the pressure inside if there is any."""
+    forces: dict[str, ShellForce] = {"elastic": ElasticForce(loaded, rest)}
+    if loaded.internal_pressure or loaded.gas:
+        forces["internal_pressure"] = InsidePressure(loaded, rest)
+    return forces
+
+
+_ROUND_OFF = 1e-13
+"""Eigenvalue of a stiffness, over its largest, that is round-off: of a rigid motion [-]."""
+
+
+def stiffening(branches: Sequence[MaxwellBranch], omega: FloatArray) -> FloatArray:
+    """Return what branches add to a stiffness at frequencies, as a fraction of it, of the shape of omega [-]."""
+    squares = [(omega * branch.time) ** 2 for branch in branches]
+    return sum((b.ratio * x / (1 + x) for b, x in zip(branches, squares, strict=True)), np.zeros_like(omega))
+
+
+def loss(branches: Sequence[MaxwellBranch], omega: FloatArray) -> FloatArray:
+    """Return the damping of branches at frequencies over the stiffness, of the shape of omega [s]."""
+    return sum((b.ratio * b.time / (1 + (omega * b.time) ** 2) for b in branches), np.zeros_like(omega))
+
+
+@dataclass(frozen=True)
+class ViscousForce(Force):
+    """The force of Maxwell branches beside a stiffness K."""
+
+    branches: tuple[MaxwellBranch, ...]
+    stiffness: FloatArray  # K (dof, dof) [N/m]
+
+    @cached_property
+    def model(self) -> RadiationModel:
+        """Its memory."""
+        values, vectors = np.linalg.eigh(self.stiffness)
+        kept = values > _ROUND_OFF * values[-1]
+        factor = (vectors[:, kept] * np.sqrt(values[kept])).T
+        rates = np.repeat([1 / branch.time for branch in self.branches], len(factor))
+        inputs = np.concatenate([np.sqrt(branch.ratio) * factor for branch in self.branches])
+        return RadiationModel(-np.diag(rates), inputs, np.diag(np.sqrt(2 * rates)))
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(memory=self.model)

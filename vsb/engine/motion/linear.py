@@ -22,9 +22,9 @@ from vsb.engine.hydro.orders import Directions, heading_shares, most_exciting, o
 from vsb.engine.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.hydro.variables import PAIR
+from vsb.engine.motion.forces import loss, stiffening
 from vsb.engine.motion.frequency import LinearEquation, softest, unrestrained_motions
 from vsb.engine.motion.port import LinearPto, Port
-from vsb.engine.motion.viscous import loss, stiffening
 from vsb.engine.shell.device import MaxwellBranch
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
@@ -58,9 +58,28 @@ class LinearSystem:
     maxwell: tuple[MaxwellBranch, ...] = ()  # of the shell's material
 
     def __post_init__(self) -> None:
-        """Check a body of any shape, whose numbers and port may come from anywhere."""
-        if not self.axisymmetric:
-            _check_body(self)
+        """Refuse a body of any shape without inertia, with negative damping, or with a take-off without port."""
+        if self.axisymmetric:
+            return
+        inertia = self.mass + self.added_mass_inf
+        scale = np.sqrt(np.abs(np.diag(inertia)))
+        if not (scale > 0).all() or np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] <= 0:
+            still = [label for label, own in zip(self.labels, np.diag(inertia), strict=True) if own <= 0]
+            raise ConfigError(
+                f"body.mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite "
+                "frequency included; needs a positive definite mass, or other degrees of freedom."
+            )
+        rates, shapes = np.linalg.eigh(self.structural_damping / np.outer(scale, scale))
+        if rates[0] < -_UNEVEN * np.abs(rates).max():
+            most = self.labels[int(np.abs(shapes[:, 0]).argmax())]
+            raise ConfigError(
+                f"body.damping: received a matrix that gives energy to {most}, by {-rates[0]:.3g}/s; needs one "
+                "without a negative eigenvalue."
+            )
+        if self.pto.port is None and (np.any(self.pto.damping) or self.pto.stiffness):
+            raise ConfigError("pto: received no port, needs the motion it takes off; see `combination`.")
+        if self.pto.port is not None and self.pto.port.shape != (len(inertia),):
+            raise ConfigError(f"pto: received a port of {self.pto.port.shape}, needs {(len(inertia),)}.")
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -114,8 +133,8 @@ class LinearSystem:
         """Return structural damping with that of a viscous material, shape ([omega,] dof, dof) [N s/m]."""
         if not self.maxwell:
             return self.structural_damping
-        own = self.stiffness_parts["structural"]
-        return self.structural_damping + loss(self.maxwell, omega)[..., None, None] * own
+        elastic = self.stiffness_parts["structural"]
+        return self.structural_damping + loss(self.maxwell, omega)[..., None, None] * elastic
 
     def stiffening_at(self, omega: FloatArray) -> FloatArray | float:
         """Return what a viscous material adds to the stiffness in motion, shape ([omega,] dof, dof) [N/m]; 0 of none.
@@ -251,12 +270,8 @@ class LinearSystem:
     def in_motions(self, motions: FloatArray) -> "LinearSystem":
         """Return a shell of revolution that heaves in a few motions y, q = N y, projected before it is interpolated.
 
-        The factor of its radiation channel stays that of all degrees of freedom. Shapes of the database are left out.
-
-        Parameters
-        ----------
-        motions : ndarray, shape (dof, motion)
-            N.
+        N has shape (dof, motion). The factor of its radiation channel stays that of all degrees of freedom. Shapes of
+        the database are left out.
         """
         ds = self.database
         force, damping = ds.excitation_force.values[:, 0], ds.radiation_damping.values
@@ -277,11 +292,7 @@ class LinearSystem:
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
         """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
 
-        Parameters
-        ----------
-        omega : ndarray, shape (omega,) [rad/s]
-        motions : ndarray, shape (dof, free)
-            The motions the design allows.
+        Of a design at frequencies omega [rad/s]; `motions` (dof, free) are those it allows.
         """
         equation = self.equation(omega)
         beside, dof = self.pto_at(omega), len(self.mass)
@@ -292,19 +303,16 @@ class LinearSystem:
         )
         return loaded.response(equation.water.excitation, motions)
 
-    def equation(self, omega: FloatArray) -> LinearEquation:
-        """Return its equation of motion at frequencies, without take-off."""
-        return self._equation(omega, omega)
+    def equation(self, omega: FloatArray, known: FloatArray | None = None) -> LinearEquation:
+        """Return its equation of motion at frequencies, without take-off; with coefficients of others, if given."""
+        water = self.coefficients(omega if known is None else known)
+        viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
+        return LinearEquation(omega, water, self.mass, *viscous, self.chamber)
 
     def extended_equation(self, omega: FloatArray) -> LinearEquation:
         """Return `equation` at any frequencies: outside the band solved with the coefficients of its nearest end."""
         first, last = self.database.omega.values[[0, -1]]
-        return self._equation(omega, np.clip(omega, first, last))
-
-    def _equation(self, omega: FloatArray, known: FloatArray) -> LinearEquation:
-        """The equation of motion, with the coefficients of frequencies of the band."""
-        viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
-        return LinearEquation(omega, self.coefficients(known), self.mass, *viscous, self.chamber)
+        return self.equation(omega, np.clip(omega, first, last))
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return what a take-off sees of a design; see `vsb.engine.motion.frequency.LinearEquation.port`."""
@@ -325,13 +333,9 @@ class LinearSystem:
     def unrestrained(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return the motions without restoring force, in those a design allows, shape (free, unrestrained).
 
-        Of a shell these can be surge, sway and yaw without mooring; water and elasticity hold the others. Raises
-        `StabilityError` if the system is unstable at rest.
-
-        Parameters
-        ----------
-        stiffness : ndarray, shape (free, free) [N/m]
-        motions : ndarray, shape (dof, free)
+        Of a shell these can be surge, sway and yaw without mooring; water and elasticity hold the others. `stiffness`
+        is that in the motions a design allows (dof, free), shape (free, free) [N/m]. Raises `StabilityError` if the
+        system is unstable at rest.
         """
         if self.axisymmetric:
             loose = unrestrained_motions(stiffness, self.labels, motions)
@@ -379,13 +383,14 @@ class LinearSystem:
         loose = self.unrestrained(motions.T @ self.held @ motions, motions)
         held = null_space(loose.T) if loose.size else np.eye(motions.shape[1])
         problem = _WetModes(self, motions, loose, held)
-        count = held.shape[1] if highest == np.inf else min(problem.count_below(highest) + 1, held.shape[1])
-        found = []
+        count = held.shape[1]
+        if highest < np.inf:
+            count = min(int(np.count_nonzero(problem.eigen(highest)[0] > 1.0)) + 1, count)
+        modes = []
         for i in range(count):
-            w = problem.frequency(i)
-            moved = 1.0 if port is None else w * float(np.linalg.norm(port.T @ problem.shape(w, i)))
-            found.append((w, problem.damping_ratio(w, i), moved))
-        frequency, ratio, moves = np.array(found).reshape(-1, 3).T
+            w, damping, shape = problem.mode(i)
+            modes.append((w, damping, 1.0 if port is None else w * float(np.linalg.norm(port.T @ shape))))
+        frequency, ratio, moves = np.array(modes).reshape(-1, 3).T
         frequency, ratio = (values[moves > STILL * moves.max(initial=0.0)] for values in (frequency, ratio))
         order = np.argsort(frequency)
         return frequency[order], ratio[order]
@@ -427,37 +432,29 @@ class _WetModes:
             return self._at_rest
         return self._projected(self.system.held_at(np.asarray(omega)))
 
-    def _inertia(self, omega: float) -> FloatArray:
-        """M + A at a frequency, (free, free) [kg]."""
-        if not self.system.axisymmetric:
-            return self._projected(self.system.mass + self.system.added_mass_at(omega))
-        shares = self.system.spectrum.added_mass_shares(np.array([omega]))[0]
-        return np.asarray(self._mass + (shares @ self._damping).reshape(self._mass.shape))
-
-    def _eigen(self, omega: float) -> tuple[FloatArray, FloatArray]:
-        """All w^2 mu_i, largest first, and their shapes of unit stiffness (free, held)."""
+    def eigen(self, omega: float) -> tuple[FloatArray, FloatArray]:
+        """Return all w^2 mu_i, largest first, and their shapes of unit stiffness (free, held)."""
         if omega not in self._known:
             if len(self._known) == _KEPT:
                 self._known.clear()
-            inertia, loose, held = self._inertia(omega), self.loose, self.held
+            if self.system.axisymmetric:
+                shares = self.system.spectrum.added_mass_shares(np.array([omega]))[0]
+                inertia = self._mass + (shares @ self._damping).reshape(self._mass.shape)
+            else:
+                inertia = self._projected(self.system.mass + self.system.added_mass_at(omega))
+            loose, held = self.loose, self.held
             along = held - loose @ np.linalg.solve(loose.T @ inertia @ loose, loose.T @ inertia @ held)
             values, vectors = eigh(along.T @ inertia @ along, held.T @ self._stiffness(omega) @ held)
             self._known[omega] = omega**2 * values[::-1], (along @ vectors)[:, ::-1]
         return self._known[omega]
 
-    def shape(self, omega: float, i: int) -> FloatArray:
-        """Return the shape of a natural mode at its frequency, of unit stiffness, shape (dof,)."""
-        return np.asarray(self.motions @ self._eigen(omega)[1][:, i])
-
-    def damping_ratio(self, omega: float, i: int) -> float:
-        """Return the damping ratio of a natural mode at its frequency [-]."""
-        shape, still = self._eigen(omega)[1][:, i], self.shape(omega, i)
+    def mode(self, i: int) -> tuple[float, float, FloatArray]:
+        """Return frequency [rad/s], damping ratio [-] and shape of unit stiffness (dof,) of a natural mode."""
+        omega = self.frequency(i)
+        shape = self.eigen(omega)[1][:, i]
+        still = np.asarray(self.motions @ shape)
         radiated = self.system.spectrum.shares(np.array([omega]))[0] @ self._damping @ np.outer(shape, shape).ravel()
-        return float(omega * (radiated + still @ self.system.damping_at(np.asarray(omega)) @ still) / 2)
-
-    def count_below(self, omega: float) -> int:
-        """Return how many natural frequencies lie below one."""
-        return int(np.count_nonzero(self._eigen(omega)[0] > 1.0))
+        return omega, float(omega * (radiated + still @ self.system.damping_at(np.asarray(omega)) @ still) / 2), still
 
     def frequency(self, i: int) -> float:
         """Return the i-th natural frequency [rad/s]: of w^2 mu_i - 1, one root.
@@ -466,16 +463,16 @@ class _WetModes:
         shapes cross, by bisection of the eigenvalue itself.
         """
         upper = 1.0
-        while self._eigen(upper)[0][i] <= 1.0:
+        while self.eigen(upper)[0][i] <= 1.0:
             upper *= 2
             if upper > FASTEST:
                 raise DatabaseError("added mass at infinite frequency takes a mode's inertia; lower hydro.tolerance")
         omega = upper
         for _ in range(_TURNS if self.system.axisymmetric and not self.loose.size else 0):
-            before, omega = omega, self._rayleigh(self._eigen(omega)[1][:, i], upper)
+            before, omega = omega, self._rayleigh(self.eigen(omega)[1][:, i], upper)
             if abs(omega - before) < 1e-10:
                 return before  # whose shape is known
-        return float(brentq(lambda w: self._eigen(w)[0][i] - 1.0, 1e-3, upper, xtol=1e-10))
+        return float(brentq(lambda w: self.eigen(w)[0][i] - 1.0, 1e-3, upper, xtol=1e-10))
 
     def _rayleigh(self, shape: FloatArray, upper: float) -> float:
         """Frequency of a motion in a shape (free,) alone [rad/s]; `upper` if its inertia leaves it none below."""
@@ -520,10 +517,10 @@ class Channel:
 
     def damping(self, omega: FloatArray, excitation: ComplexArray) -> FloatArray:
         """Return the damping from the excitation (omega, dof), zero of other orders, shape (omega, dof, dof)."""
-        found = np.zeros((len(omega), excitation.shape[1], excitation.shape[1]))
+        out = np.zeros((len(omega), excitation.shape[1], excitation.shape[1]))
         own = (self.factor(omega) * omega**self.power)[:, None, None] * one_channel(excitation[:, self.group])
-        found[:, self.group[:, None], self.group] = own
-        return found
+        out[:, self.group[:, None], self.group] = own
+        return out
 
 
 def one_channel(excitation: ComplexArray) -> FloatArray:
@@ -545,15 +542,8 @@ def channelled(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
 
 
 def with_open_chamber(buoy: LinearSystem, direction: FloatArray) -> LinearSystem:
-    """Return the buoy whose trapped gas stands between the shell and a take-off of its volume.
+    """Return the buoy whose trapped gas stands between the shell and a take-off of its volume, b (dof,) [m^2].
 
-    Parameters
-    ----------
-    direction : ndarray, shape (dof,)
-        b of the volume port [m^2].
-
-    Notes
-    -----
     The gas resists volume alone, K = b b^T/C. Once it can leave through the take-off it no longer stiffens the shell:
     the compliances of port and gas add up (`Port.behind`).
     """
@@ -614,29 +604,6 @@ def linear_body(
         inertia_matrix=(PAIR, chosen_mass), structural_stiffness=(PAIR, chosen_stiffness)
     )
     return LinearSystem(complete, chosen_damping, axisymmetric=False)
-
-
-def _check_body(body: LinearSystem) -> None:
-    """Refuse a body without inertia, with negative damping, or with a take-off without port."""
-    inertia = body.mass + body.added_mass_inf
-    scale = np.sqrt(np.abs(np.diag(inertia)))
-    if not (scale > 0).all() or np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] <= 0:
-        still = [label for label, own in zip(body.labels, np.diag(inertia), strict=True) if own <= 0]
-        raise ConfigError(
-            f"body.mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
-            "included; needs a positive definite mass, or other degrees of freedom."
-        )
-    rates, shapes = np.linalg.eigh(body.structural_damping / np.outer(scale, scale))
-    if rates[0] < -_UNEVEN * np.abs(rates).max():
-        most = body.labels[int(np.abs(shapes[:, 0]).argmax())]
-        raise ConfigError(
-            f"body.damping: received a matrix that gives energy to {most}, by {-rates[0]:.3g}/s; needs one without a "
-            "negative eigenvalue."
-        )
-    if body.pto.port is None and (np.any(body.pto.damping) or body.pto.stiffness):
-        raise ConfigError("pto: received no port, needs the motion it takes off; see `combination`.")
-    if body.pto.port is not None and body.pto.port.shape != (len(inertia),):
-        raise ConfigError(f"pto: received a port of {body.pto.port.shape}, needs {(len(inertia),)}.")
 
 
 def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:

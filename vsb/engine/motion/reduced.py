@@ -117,15 +117,7 @@ def reduced_motions(
 
 
 def extended(basis: FloatArray, vectors: FloatArray, new: float) -> FloatArray:
-    """Return an orthonormal basis with what further vectors add to it: the singular vectors of what is left of them.
-
-    Parameters
-    ----------
-    basis : ndarray, shape (entry, vector)
-    vectors : ndarray, shape (entry, further)
-    new : float
-        Singular values up to this part add nothing, vectors being of length one or less.
-    """
+    """Return an orthonormal basis (entry, vector) with what unit vectors add to it beyond a part `new` of them."""
     for _ in range(2):
         vectors = vectors - basis @ (basis.T @ vectors)
     shapes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
@@ -190,9 +182,9 @@ class _Problem:
         largest = self._sizes.max(axis=0)
         moved = np.divide(missed, largest, out=np.zeros_like(missed), where=largest > 0).max(axis=1)
         band = slice(0, _IN_BAND)
-        exact, found = self._powers(self.solutions[band]), self._powers(reduced @ solved[band])
+        exact, approximate = self._powers(self.solutions[band]), self._powers(reduced @ solved[band])
         size = np.maximum(exact, FAINT * exact.max(axis=0))
-        relative = np.divide(np.abs(found - exact), size, out=np.zeros_like(exact), where=size > 0)
+        relative = np.divide(np.abs(approximate - exact), size, out=np.zeros_like(exact), where=size > 0)
         power = np.zeros(len(self.omega))
         power[band] = relative.reshape(len(relative), -1).max(axis=1)
         return power, moved

@@ -22,15 +22,14 @@ from vsb.engine.motion.forces import (
     ConstantForce,
     EndStop,
     Linear,
+    ShellForce,
     SpringDamper,
     TakeOff,
     WaterPressure,
 )
 from vsb.engine.motion.frequency import normal_modes, unrestrained_motions
-from vsb.engine.motion.froude_krylov import Incident, incident, wave_force
 from vsb.engine.motion.scene import Scene
-from vsb.engine.motion.shell_forces import ShellForce
-from vsb.engine.motion.wetted import Shape, wet_force
+from vsb.engine.motion.wetted import Incident, Shape, incident, wave_force, wet_force
 from vsb.engine.waves.sampling import Sampler, Signals, signals, signals_at
 from vsb.engine.waves.seas import NO_WAVES, superposed
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -235,13 +234,7 @@ class System:
     # forces ---------------------------------------------------------------------------------------------------------
 
     def added(self, time: FloatArray, z: FloatArray) -> FloatArray:
-        """Return n along a motion, shape (time, free).
-
-        Parameters
-        ----------
-        time : ndarray, shape (time,) [s]
-        z : ndarray, shape (time, state)
-        """
+        """Return n along a motion at times (time,) [s] with states z (time, state), shape (time, free)."""
         return self.added_during(time)(z, slice(None))
 
     def added_during(self, time: FloatArray) -> Callable[[FloatArray, slice], FloatArray]:
@@ -372,12 +365,7 @@ class System:
         return sum((force.potential_energy(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
 
     def beyond_tangents(self, position: FloatArray) -> FloatArray:
-        """Return the energy smooth nonlinear forces store beyond that of their tangents, shape (time,) [J].
-
-        Parameters
-        ----------
-        position : ndarray, shape (time, free) [m]
-        """
+        """Return the energy smooth nonlinear forces store beyond that of their tangents, shape (time,) [J]."""
         q, out = position @ self.scene.motions.T, np.zeros(len(position))
         for name, part in self._nonlinear.items():
             force = self.scene.forces[name]
@@ -437,3 +425,9 @@ class System:
     def frequencies(self) -> FloatArray:
         """Frequencies of waves and assumed pressure, ascending, shape (component,) [rad/s]."""
         return np.unique(np.concatenate([np.zeros(0), *(f.frequencies() for f in self.scene.forces.values())]))
+
+    @cached_property
+    def horizon(self) -> float:
+        """Time over which errors add up [s]: that of the slowest decay without a take-off that switches."""
+        slowest = -float(np.linalg.eigvals(self.matrix).real.max())
+        return 1.0 / slowest if slowest > 0 else np.inf
