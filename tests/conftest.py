@@ -7,6 +7,7 @@ import fcntl
 import json
 import shutil
 from contextlib import chdir, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ from vsb.engine.motion.forces import Spring
 from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
 from vsb.keys.quantities import canonical
-from vsb.models.rest import reference_shell, study_basis
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.panels import mean_mesh, solve_block
@@ -290,6 +291,20 @@ def radiation_of(buoy_of):
         return cache[key]
 
     return fit
+
+
+@pytest.fixture(scope="session")
+def wet_buoy(buoy_of, radiation_of):
+    """Function (study, design) -> buoy with its attributes, shape at rest, radiation model, motions: of a body-exact scene."""
+
+    def build(study: Study, design: str):
+        reference = reference_shell(study)
+        buoy = buoy_of(study)
+        attrs = {"gravity": study.water.gravity, "water_depth": "inf", "water_density": study.water.density}
+        buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
+        return buoy, reference.shape, radiation_of(study), design_motions(study, reference.basis, design)
+
+    return build
 
 
 @pytest.fixture(scope="session")

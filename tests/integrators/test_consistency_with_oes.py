@@ -7,25 +7,19 @@ independent check: of a sphere of radius R with its centre at height c, |c| <= R
 
 import numpy as np
 import pytest
-from conftest import solved_block, varied
+from conftest import varied
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
-from vsb.engine.hydro import database
 from vsb.engine.hydro.dofs import Displacement
-from vsb.engine.hydro.radiation import DampingSpectrum, fit_radiation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.integrators.exponential import integrate
-from vsb.engine.motion.builders import body_exact_scene, linear_scene
-from vsb.engine.motion.linear import LinearSystem
-from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import body_exact_scene, linear_scene
 from vsb.engine.motion.system import System
 from vsb.engine.shell.deformed import rigid_sphere
 from vsb.engine.waves.seas import NO_WAVES
-from vsb.models.rest import reference_shell
-from vsb.pipeline.graph import StudyPlan
 
 RADIUS, MASS, DENSITY, GRAVITY = 5.0, 261.8e3, 1000.0, 9.81
 WEIGHT = DENSITY * GRAVITY
@@ -37,17 +31,8 @@ TIME = np.linspace(0.0, 40.0, 4001)
 PERIODS = (3.0, 4.0, 4.4, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0)
 """Of the task's regular waves [s]."""
 DAMPERS = (
-    398736.034,
-    118149.758,
-    90080.857,
-    161048.558,
-    322292.419,
-    479668.979,
-    633979.761,
-    784083.286,
-    932117.647,
-    1077123.445,
-)
+    398736.034, 118149.758, 90080.857, 161048.558, 322292.419, 479668.979, 633979.761, 784083.286, 932117.647, 1077123.445,
+)  # fmt: skip
 """Its best take-off in each [N s/m]."""
 WAVES = (0.177, 0.314, 0.380, 0.491, 0.706, 0.961, 1.256, 1.589, 1.962, 2.374)
 """Amplitudes of the waves of steepness 0.002 [m]."""
@@ -59,28 +44,17 @@ HEAVES = (0.01395, 0.18485, 0.35725, 0.40790, 0.50395, 0.66610, 0.86800, 1.10205
 @pytest.fixture(scope="module")
 def sphere(seed):
     return varied(
-        seed,
-        device={"radius": RADIUS, "mass": MASS},
-        water={"density": DENSITY},
-        designs={"sphere": {"flexible": False}},
-        hydro={"omega_max": 6.0},
-        pto={"damping": 0.0},
-        waves=[{"kind": "still"}],
-    )
+        seed, device={"radius": RADIUS, "mass": MASS}, water={"density": DENSITY}, hydro={"omega_max": 6.0},
+        designs={"sphere": {"flexible": False}}, pto={"damping": 0.0}, waves=[{"kind": "still"}],
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def scenes(sphere):
+def scenes(sphere, wet_buoy):
     """The linear scene, and that on the instantaneous wet surface."""
-    reference = reference_shell(sphere)
-    blocks = [solved_block(block, None) for block in StudyPlan(sphere).sweep_blocks]
-    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), reference.basis)
-    ds = database.with_structure(database.with_symmetrized(raw), reference)
-    attrs = {"gravity": GRAVITY, "water_depth": "inf", "water_density": DENSITY}
-    buoy = LinearSystem(ds.assign_attrs(attrs), reference.basis.damping, LinearPto(0.0))
-    model, _ = fit_radiation(DampingSpectrum(ds.omega.values, ds.radiation_damping.values), 1e-3)
-    exact = body_exact_scene(buoy, reference.shape, model, NO_WAVES, np.eye(1))
-    return linear_scene(buoy, model, NO_WAVES, np.eye(1)), exact
+    buoy, shape, radiation, motions = wet_buoy(sphere, "sphere")
+    linear = linear_scene(buoy, radiation, NO_WAVES, motions)
+    return linear, body_exact_scene(buoy, shape, radiation, NO_WAVES, motions)
 
 
 @pytest.fixture(scope="module")

@@ -1,30 +1,108 @@
-"""Harmonic balance: closed forms, long runs in time, energy, invariance, stability, limits."""
+"""Periodic functions, Floquet multipliers and harmonic balance: closed forms, runs in time, stability, limits."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import HERE, solved_block, varied
+from conftest import HERE, varied
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.special import mathieu_a, mathieu_b
 
-from vsb.engine.hydro import database
-from vsb.engine.hydro.radiation import fit_radiation
 from vsb.engine.integrators import harmonic_balance as harmonic
 from vsb.engine.integrators.exact import steady_state
 from vsb.engine.integrators.exponential import integrate
-from vsb.engine.integrators.floquet import largest, multipliers
-from vsb.engine.integrators.harmonic_balance import PeriodicScene, continued, harmonic_balance, steady_power
-from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.engine.integrators.harmonic_balance import (
+    PeriodicScene,
+    continued,
+    harmonic_balance,
+    harmonics_of,
+    hill_matrix,
+    largest,
+    monodromy,
+    multipliers,
+    phases,
+    steady_power,
+    synthesized,
+)
 from vsb.engine.motion.forces import AssumedPressure, Excitation, TakeOff
-from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import LinearPto
-from vsb.engine.motion.scene import Scene, resting
+from vsb.engine.motion.scene import Scene, assumed_pressure_scene, body_exact_scene, linear_scene, resting
 from vsb.engine.motion.system import System
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.rest import design_motions, reference_shell, study_basis
-from vsb.pipeline.graph import StudyPlan
+from vsb.models.rest import design_motions, study_basis
 from vsb.study import study as config
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def random_harmonics(rng, count, *shape):
+    """Of a real function: the mean has no imaginary part."""
+    out = rng.normal(size=(count, *shape)) + 1j * rng.normal(size=(count, *shape))
+    out[0] = out[0].real
+    return out
+
+
+@given(SEEDS, st.integers(1, 6), st.integers(1, 14))
+def test_hill_matrix_equals_the_product_in_time(seed, count, wide):
+    rng, free = np.random.default_rng(seed), 2
+    matrix, u = random_harmonics(rng, wide, free, free), random_harmonics(rng, count, free)
+    phase = phases(2 * (wide + count))
+    product = np.einsum(
+        "tij,tj->ti", synthesized(matrix.reshape(wide, -1), phase).reshape(-1, free, free), synthesized(u, phase)
+    )
+    parts = np.array([u.real, u.imag])
+    real, imaginary = np.einsum("ahibkj,bkj->ahi", hill_matrix(matrix, count), parts)
+    assert real + 1j * imaginary == pytest.approx(harmonics_of(product)[:count], abs=1e-11)
+
+
+def random_system(seed, free=2, memory=3):
+    rng = np.random.default_rng(seed)
+    matrix, parts = rng.normal(size=(2 * free + memory,) * 2), random_harmonics(rng, 3, free, free)
+    return matrix, lambda phase: synthesized(parts.reshape(3, -1), phase).reshape(-1, free, free)
+
+
+def test_monodromy_has_order_six_against_an_independent_integrator():
+    (matrix, coupling), period, size, free = random_system(1), 2.0, 7, 2
+
+    def rates(t, y):
+        z = y.reshape(size, size)
+        out = matrix @ z
+        out[free : 2 * free] += coupling(np.array([2 * np.pi * t / period]))[0] @ z[:free]
+        return out.ravel()
+
+    done = solve_ivp(rates, (0.0, period), np.eye(size).ravel(), method="DOP853", rtol=1e-13, atol=1e-13)
+    truth = done.y[:, -1].reshape(size, size)
+    counts = np.array([32, 48, 64, 96, 128])
+    errors = [np.abs(monodromy(matrix, coupling(phases(count)), period) - truth).max() for count in counts]
+    slopes = -np.diff(np.log(errors)) / np.diff(np.log(counts))
+    assert np.all(np.abs(slopes - 6.0) < 0.4), slopes
+
+
+def mathieu(a, q, count):
+    """Monodromy over pi of y'' + (a - 2 q cos 2t) y = 0."""
+    return monodromy(np.array([[0.0, 1.0], [-a, 0.0]]), 2 * q * np.cos(phases(count))[:, None, None], np.pi)
+
+
+@pytest.mark.parametrize(("boundary", "order", "trace"), [(mathieu_b, 1, -2.0), (mathieu_a, 2, 2.0)])
+def test_stability_boundaries_of_mathieus_equation(boundary, order, trace):
+    """Abramowitz and Stegun 20.2: at a characteristic value one solution has the period pi or 2 pi."""
+    a = float(boundary(order, 1.0))
+    errors = [abs(np.trace(mathieu(a, 1.0, count)) - trace) for count in (64, 128, 256)]
+    assert errors[2] < 1e-8
+    assert all(coarse > 30 * fine or coarse < 1e-9 for coarse, fine in itertools.pairwise(errors))
+
+
+def test_unresolved_multipliers_are_refused():
+    """A coupling that is another one at every sampling."""
+    matrix = np.array([[0.0, 3.0], [-3.0, 0.0]])
+    with pytest.raises(ConvergenceError, match=r"stability of a periodic motion cannot be determined: .*add"):
+        multipliers(matrix, lambda phase: np.random.default_rng(7).normal(size=(len(phase), 1, 1)), 50.0)
+
 
 OMEGA = 2 * np.pi / 2.5
 STATED, INFERRED = {"pressure": 1800.0}, {"pressure": 360.0}
@@ -59,20 +137,12 @@ def tuned(paper, ratio, damping, **changes):
 
 
 @pytest.fixture(scope="module")
-def scene():
+def scene(wet_buoy):
     """Function (design, sea, kind) -> body-exact or linear scene of the body-exact study, and its buoy."""
     study = config.load(HERE.parent / "config" / "body_exact.yaml")
-    basis = study_basis(study)
-    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
-    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
-    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
-    ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
-    buoy = LinearSystem(ds, basis.damping, LinearPto(study.pto.damping))
-    radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
-    shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
 
     def build(design, sea, kind="exact"):
-        motions = design_motions(study, basis, design)
+        buoy, shape, radiation, motions = wet_buoy(study, design)
         if kind == "linear":
             return linear_scene(buoy, radiation, sea, motions), buoy
         return body_exact_scene(buoy, shape, radiation, sea, motions), buoy

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from conftest import EXAMPLE, only_run, varied
-from motion.test_builders import buoy_of
+from motion.test_scene import made_up_buoy
 
 from vsb.engine.hydro.radiation import DampingSpectrum
 from vsb.engine.integrators.audit import energies, residual
@@ -13,10 +13,9 @@ from vsb.engine.integrators.exponential import phi_integrals
 from vsb.engine.integrators.harmonic_balance import harmonic_balance
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import METHODS, legs, recorded_steps, simulate
-from vsb.engine.motion.builders import body_exact_scene
 from vsb.engine.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.engine.motion.port import LinearPto
-from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.scene import Scene, body_exact_scene
 from vsb.engine.motion.system import System
 from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import StabilityError
@@ -138,7 +137,7 @@ def test_records_resolve_the_fastest_significant_wave(oscillator):
 def test_buoy_that_leaves_the_water_for_good_is_refused(seed):
     """A spring almost as negative as the waterplane is stiff: beyond small motion nothing holds the buoy."""
     study = varied(seed, modes={"degree": 2}, designs={"FSB": {"flexible": False}})
-    buoy, shape = buoy_of(study, reference_shell(study))
+    buoy, shape = made_up_buoy(study, reference_shell(study))
     waterplane = study.water.density * study.water.gravity * np.pi * study.device.radius**2
     buoy = replace(buoy, pto=LinearPto(8e3, stiffness=-0.95 * waterplane))
     plant = body_exact_scene(buoy, shape, None, NO_WAVES, np.eye(len(buoy.labels), 1))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from motion.test_harmonics import MASS, admittance
+from motion.test_force_bound import MASS, admittance
 from scipy.linalg import block_diag, solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 

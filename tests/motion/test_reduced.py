@@ -7,9 +7,9 @@ import pytest
 from conftest import varied
 
 from vsb.engine.integrators.exact import propagate
-from vsb.engine.motion.builders import linear_scene, unit_heave
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.reduced import FEWEST, reduced_motions
+from vsb.engine.motion.scene import linear_scene, unit_heave
 from vsb.engine.motion.system import System
 from vsb.engine.waves.seas import NO_WAVES
 from vsb.models.rest import design_motions, study_basis
