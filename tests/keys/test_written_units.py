@@ -101,23 +101,40 @@ def test_a_unit_that_cannot_be_read_is_refused_with_the_conversion(model, change
         ("device", {"mass": 17}, r"mass 17 kg: .* did you mean 17 t\?"),
         ("device", {"poisson_ratio": 30}, r"poisson_ratio: received 30; .* did you mean 30 %\?"),
         ("device", {"radius": 2000}, r"radius: received 2000; .* did you mean 2000 mm\?"),
+        ("device", {"draft": 450}, r"draft: received 450.* did you mean 450 mm\?"),
+        ("pto", {"efficiency": 90}, r"efficiency: received 90; .* did you mean 90 %\?"),
     ],
 )
 def test_a_number_out_of_range_that_fits_in_another_unit_is_asked_for(section, values, guess):
     raw = copy.deepcopy(WHOLE[Study])
-    raw[section] |= values
+    raw[section] = raw.get(section, {}) | values
+    if "draft" in values:
+        del raw["device"]["mass"]
     with pytest.raises(ConfigError, match=guess):
         config.parse(raw)
 
 
-def test_a_number_below_one_is_not_taken_for_per_cent_or_millimetres():
-    """Who writes 0.5 means a half, and 0.25 m is no shell of a quarter of a millimetre."""
-    for values in ({"poisson_ratio": 0.5}, {"thickness": 0.25}):
-        raw = copy.deepcopy(WHOLE[Study])
-        raw["device"] |= values
-        with pytest.raises(ConfigError) as error:
-            config.parse(raw)
-        assert "did you mean" not in str(error.value)
+@pytest.mark.parametrize(
+    ("section", "values"),
+    [
+        ("device", {"poisson_ratio": 0.5}),
+        ("device", {"thickness": 0.25}),
+        ("device", {"draft": 4.5}),
+        ("device", {"draft": -1.0}),
+        ("device", {"radius": -2.0}),
+        ("pto", {"efficiency": 1.8}),
+        ("pto", {"efficiency": 200}),
+    ],
+)
+def test_a_number_unlikely_in_every_unit_is_asked_for_in_none(section, values):
+    """Who writes 0.5 means a half, no shell has a quarter of a millimetre, no buoy a draft of 4.5 mm."""
+    raw = copy.deepcopy(WHOLE[Study])
+    raw[section] = raw.get(section, {}) | values
+    if "draft" in values:
+        del raw["device"]["mass"]
+    with pytest.raises(ConfigError) as error:
+        config.parse(raw)
+    assert "did you mean" not in str(error.value)
 
 
 @pytest.mark.parametrize(

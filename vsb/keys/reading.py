@@ -462,7 +462,7 @@ def _guess(error: ErrorDetails, raw: dict[str, Any], model: type[BaseModel]) -> 
         return ""
     for text, value in other_units(model, raw, place):
         try:
-            model.model_validate(changed(raw, place, value, _rebuilt))
+            model.model_validate(changed(raw, {place: value}, _rebuilt))
         except ValidationError as left:
             if any(tuple(_place_of(one, raw))[: len(place)] == place for one in _ordered(left)):
                 continue

@@ -145,6 +145,7 @@ class KeyUnit(NamedTuple):
 
     unit: str
     several: bool = False
+    key: str = ""
 
 
 def with_units_read(raw: Any, model: type[BaseModel], rebuilt: Rebuilt) -> Any:
@@ -166,7 +167,7 @@ def with_units_read(raw: Any, model: type[BaseModel], rebuilt: Rebuilt) -> Any:
                 changes[place] = value_in(text, unit.unit)
             except ValueError:
                 continue
-    return _changed(raw, (), changes, rebuilt) if changes else raw
+    return changed(raw, changes, rebuilt) if changes else raw
 
 
 def _texts(raw: Any, place: Place = ()) -> list[tuple[Place, str]]:
@@ -182,19 +183,14 @@ def _texts(raw: Any, place: Place = ()) -> list[tuple[Place, str]]:
     return [one for part, value in inner if not isinstance(value, float) for one in _texts(value, (*place, part))]
 
 
-def changed(raw: Any, place: Place, value: float, rebuilt: Rebuilt) -> Any:
-    """Return nested mappings with another value at a place."""
-    return _changed(raw, (), {place: value}, rebuilt)
-
-
-def _changed(raw: Any, place: Place, changes: Mapping[Place, float], rebuilt: Rebuilt) -> Any:
-    """Nested mappings and lists with other values at some places."""
+def changed(raw: Any, changes: Mapping[Place, float], rebuilt: Rebuilt, place: Place = ()) -> Any:
+    """Return nested mappings and lists with other values at some places."""
     if place in changes:
         return changes[place]
     if isinstance(raw, Mapping):
-        return rebuilt(raw, {key: _changed(value, (*place, key), changes, rebuilt) for key, value in raw.items()})
+        return rebuilt(raw, {key: changed(value, changes, rebuilt, (*place, key)) for key, value in raw.items()})
     if isinstance(raw, list | tuple):
-        return [_changed(value, (*place, i), changes, rebuilt) for i, value in enumerate(raw)]
+        return [changed(value, changes, rebuilt, (*place, i)) for i, value in enumerate(raw)]
     return raw
 
 
@@ -209,33 +205,24 @@ def unit_of(model: type[BaseModel], raw: Any, place: Sequence[str | int]) -> Key
         key, outer = place[n], place[:n]
         if not isinstance(key, str):
             continue
-        if outer and outer[-1] in ("vary", "variables", "pareto"):
-            return _unit_of_varied(key, of_limits=outer[-1] == "pareto")
+        if outer and outer[-1] == "pareto":
+            limit = KEYS["Limits"].get(key)
+            return KeyUnit(limit.unit, bool(limit.at_port), key) if limit else None
+        if outer and outer[-1] in ("vary", "variables"):
+            word = key.rpartition(".")[2]
+            unit = UNITS.get(word, "-")
+            return KeyUnit(unit, unit == "SI" or key in AT_PORT, word)
         said = keys_at(schema, outer).get(key, {})
         if "unit_at_port" in said:
-            return _unit_at_port(model, raw, outer, said)
+            kind: PortKind | None = model.kind_of_port(raw) if hasattr(model, "kind_of_port") else None
+            if kind is None or tuple(outer) != ("pto",):
+                return KeyUnit(said["unit"], True, key)
+            unit = str(getattr(kind, said["unit_at_port"]))
+            return KeyUnit(unit, unit == "SI", key)
         if "unit" in said:
             named = any(isinstance(part, str) for part in place[n + 1 :]) and said["unit"] != "-"
-            return KeyUnit(said["unit"], several=named or "," in said["unit"]) if said["unit"] else None
+            return KeyUnit(said["unit"], named or "," in said["unit"], key) if said["unit"] else None
     return None
-
-
-def _unit_of_varied(key: str, *, of_limits: bool) -> KeyUnit | None:
-    """Unit of a key of a study that a campaign or a design file varies, or of a limit."""
-    if of_limits:
-        limit = KEYS["Limits"].get(key)
-        return KeyUnit(limit.unit, several=bool(limit.at_port)) if limit else None
-    unit = UNITS.get(key.rpartition(".")[2], "-")
-    return KeyUnit(unit, several=unit == "SI" or key in AT_PORT)
-
-
-def _unit_at_port(model: type[BaseModel], raw: Any, outer: Sequence[str | int], said: Schema) -> KeyUnit:
-    """Unit of a key of a take-off by its port, where the file says it."""
-    kind: PortKind | None = model.kind_of_port(raw) if hasattr(model, "kind_of_port") else None
-    if kind is None or tuple(outer) != ("pto",):
-        return KeyUnit(said["unit"], several=True)
-    unit = str(getattr(kind, said["unit_at_port"]))
-    return KeyUnit(unit, several=unit == "SI")
 
 
 def needed(text: str, unit: KeyUnit | None) -> str:
@@ -269,19 +256,33 @@ LIKELY = {
     "N s/m": ("kN s/m",), "N/m": ("kN/m",), "N": ("kN",), "rad/s": ("Hz",), "s": ("ms",), "Hz": ("rad/s",),
 }  # fmt: skip
 """Unit of a key -> units its number is most often meant in by mistake."""
+USUAL = {
+    "m": (0.1, 1e3), "thickness": (1e-4, 1.0), "Pa": (1e3, 2e12), "kg/m^3": (20.0, 2.5e4), "kg": (10.0, 1e9),
+    "rad/s": (0.05, 100.0), "Hz": (0.01, 10.0), "s": (0.1, 1e5), "N s/m": (10.0, 1e9), "N/m": (10.0, 1e9),
+    "N": (10.0, 1e9), "efficiency": (0.1, 1.0), "poisson_ratio": (0.1, 0.5), "tolerance": (1e-4, 0.1),
+    "power_tolerance": (1e-3, 0.3), "uncertain": (1e-3, 0.5), "static_strain": (1e-3, 1.0),
+}  # fmt: skip
+"""Key, else unit of a key -> range of its likely values in that unit; pure numbers are in per cent by their key alone."""
 
 
 def other_units(model: type[BaseModel], raw: Any, place: Place) -> Iterator[tuple[str, float]]:
-    """Yield quantities that a number at a place may mean in another unit than its key's: as text, and in that unit."""
+    """Yield quantities that a number at a place may mean in another unit than its key's: as text, and in that unit.
+
+    Those alone that are likely values of the key: a draft of 450 may be in mm, one of 4.5 is not.
+    """
     number, unit = raw, unit_of(model, raw, place)
     for part in place:
         number = number[part]
     known = isinstance(number, int | float) and not isinstance(number, bool) and math.isfinite(number)
     if unit is None or unit.several or not known:
         return
+    least, most = USUAL.get(unit.key) or USUAL.get(unit.unit, (math.inf, math.inf))
     for other in LIKELY.get(unit.unit, ()):
         text = f"{number:.12g} {other}"
-        if split(text) and not abs(value := value_in(text, unit.unit)) < abs(number) < 1:  # 0.017 is not meant in mm
+        if not split(text):
+            continue
+        value = value_in(text, unit.unit)
+        if least <= abs(value) <= most and not abs(value) < abs(number) < 1:  # 0.017 is not meant in mm
             yield text, value
 
 
