@@ -33,7 +33,6 @@ from vsb.engine.hydro.orders import order_groups
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.motion.damper_matrix import best_matrix
 from vsb.engine.motion.frequency import LinearEquation
-from vsb.engine.waves.seas import sea
 from vsb.engine.waves.water import power_limit
 from vsb.keys.reading import read_yaml
 from vsb.models.build import linear_design
@@ -312,7 +311,7 @@ def matched_losses(study: Study, periods: FloatArray) -> FloatArray:
     waves = parse({**raw, "waves": [regular(period, 1.0) for period in periods.tolist()]}).waves
     buoy = StudyPlan(study).ladder.spec.buoy
     assert buoy is not None
-    found = ModeConvergence(buoy, [sea(wave, study.hydro.omega_max, 0.0) for wave in waves])
+    found = ModeConvergence(buoy, [wave.realisation(study.hydro.omega_max, 0.0) for wave in waves])
     at = list(study.designs).index(FLEXIBLE), slice(None), TAKE_OFFS.index("matched")
     powers = np.array([found.powers(Modes(basis="full", degree=degree))[at] for degree in (FEWER, CONVERGED)])
     omega = 2 * np.pi / periods

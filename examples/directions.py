@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from examples import command
-from vsb.engine.waves.seas import sea
 from vsb.engine.waves.water import power_limit
 from vsb.models.mode_convergence import ModeConvergence
 from vsb.pipeline.graph import StudyPlan
@@ -55,7 +54,7 @@ def rows_of(shell: str) -> Iterator[tuple[object, ...]]:
     """Rows of `COLUMNS` of one shell, gains with what further modes may change of them in percentage points."""
     for port in PORTS:
         study = planar(*SHELLS[shell], port)
-        water, seas = study.water, [sea(wave, study.hydro.omega_max, 0.0) for wave in study.waves]
+        water, seas = study.water, [wave.realisation(study.hydro.omega_max, 0.0) for wave in study.waves]
         buoy = StudyPlan(study).ladder.spec.buoy
         assert buoy is not None
         found = ModeConvergence(buoy, seas)

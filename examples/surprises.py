@@ -17,7 +17,6 @@ import numpy as np
 
 from examples import command
 from examples.paper_at_optimal_damping import rows_of
-from vsb.engine.waves.seas import sea
 from vsb.errors import ConfigError
 from vsb.models.build import linear_design
 from vsb.models.floating_system import floating_system
@@ -199,7 +198,7 @@ def scarce_force(folder: Path) -> Figures:
 def free_velocity(study: Study, folder: Path) -> dict[str, float]:
     """Return the rms velocity of heave in the first sea without a take-off, by design [m/s]."""
     floating = floating_system(study, hydro_files(study, folder)["database"])
-    waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
+    waves = study.waves[0].realisation(study.hydro.omega_max, study.simulation.duration)
     seen = {name: floating.extended_port(name, waves.omega) for name in study.designs}
     return {name: float(np.linalg.norm(port.velocity * waves.amplitude) / np.sqrt(2)) for name, port in seen.items()}
 

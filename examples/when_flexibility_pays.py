@@ -19,7 +19,7 @@ from examples import command
 from vsb.engine.motion.constrained import optimum_in_sea
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
-from vsb.engine.waves.seas import Sea, sea
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError
 from vsb.models.floating_system import floating_system
 from vsb.models.rest import computed_buckling
@@ -79,7 +79,7 @@ def waves_of(study: Study) -> Iterator[tuple[str, float, Sea]]:
             ("jonswap", {"hs": height, "tp": period}),
         ):
             (wave,) = parse({**study.model_dump(), "published": None, "waves": [{"kind": kind, **size}]}).waves
-            yield kind, period, sea(wave, highest, end)
+            yield kind, period, wave.realisation(highest, end)
 
 
 def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:

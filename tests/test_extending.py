@@ -7,6 +7,7 @@ import textwrap
 import time as clock
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -60,15 +61,37 @@ def test_first_change_of_contributing():
     """Its sea, its density under its own test, and a described key for every field."""
     text = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
     blocks = [textwrap.dedent(block) for block in re.findall(r"```python\n(.*?) *```", text, re.S)]
-    sea, described, test = blocks
+    sea, test = blocks
     exec(sea, names := vars(waves) | {"__name__": "swell"})
-    names |= {"np": np, "pytest": pytest} | {name: vars(keys)[name] for name in ("Key", "_GOING", "_SEA")}
+    names |= {"np": np, "pytest": pytest}
     exec(test, names)
     names["test_swell_has_the_energy_of_its_height_about_its_peak"]()
-    (section,) = eval(f"{{{described}}}", names).values()
+    section = keys.KEYS["Swell"]
     assert section.keys() == names["Swell"].model_fields.keys()
     assert all(UNITS.get(name, key.unit) == key.unit for name, key in section.items() if key.unit)
     assert names["Swell"](kind="swell", hs=2.0, tp=12.0, bandwidth=0.05).memory == pytest.approx(4 * np.pi / 0.05)
+
+
+def test_a_kind_made_from_another_is_taken_for_what_it_is():
+    """A page moves the period of JONSWAP seas by their formula: of those alone whose density it is."""
+
+    class Renamed(waves.Jonswap):
+        kind: Literal["renamed"]
+
+    class Flatter(waves.Jonswap):
+        kind: Literal["flatter"]
+
+        def density(self, omega):
+            return super().density(omega) * (0.5 + 0.25 * np.tanh(omega))
+
+    values = {"hs": 2.0, "tp": 9.0, "gamma": 5.0}
+    renamed, flatter = Renamed(kind="renamed", **values), Flatter(kind="flatter", **values)
+    tma = waves.Tma(kind="tma", depth=15.0, **values)
+    assert (renamed.jonswap_gamma, flatter.jonswap_gamma, tma.jonswap_gamma) == (5.0, None, None)
+    omega, amplitude = flatter.components(3.0, 600.0)
+    _, other = renamed.components(3.0, 600.0)
+    assert amplitude**2 / other**2 == pytest.approx(0.5 + 0.25 * np.tanh(omega), rel=1e-3)
+    assert keys.KEYS["Flatter"]["tp"] == keys.KEYS["Jonswap"]["tp"]
 
 
 def test_recipe_of_a_take_off_law(monkeypatch):

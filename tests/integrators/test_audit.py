@@ -32,7 +32,7 @@ from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.scene import Scene, assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.engine.motion.system import Motion, System
 from vsb.engine.motion.take_off import Pto
-from vsb.engine.waves.seas import Sea, sea
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
 from vsb.models.latching import with_latching_time
 from vsb.models.rest import design_motions, reference_shell, study_basis
@@ -83,7 +83,7 @@ def scene(seed, spectral_seed):
 
     def build(design="VSWEC", **changes):
         study = varied(seed, **changes)
-        waves = sea(study.waves[0], 6.0, study.simulation.duration)
+        waves = study.waves[0].realisation(6.0, study.simulation.duration)
         basis = study_basis(study)
         ds = database.with_structure(spectral_seed.database, reference_shell(study))
         buoy = LinearSystem(ds, basis.damping, LinearPto(study.pto.damping))

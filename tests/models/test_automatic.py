@@ -10,7 +10,6 @@ from conftest import varied
 from vsb.engine.integrators.harmonic_balance import harmonic_balance, steady_power
 from vsb.engine.motion.forces import ElasticForce
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.waves.seas import sea
 from vsb.models.automatic import (
     RIGID,
     Choice,
@@ -41,7 +40,7 @@ def scenes_of(seed, buoy_of, radiation_of):
         attrs = {"gravity": water.gravity, "water_density": water.density, "water_depth": str(water.depth)}
         buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
         shape = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels)))
-        waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
+        waves = study.waves[0].realisation(study.hydro.omega_max, study.simulation.duration)
         ladder = motion_ladder(study, basis, design)
         return Scenes(buoy, shape, radiation_of(seed), waves, ladder, study.simulation)
 
@@ -146,7 +145,7 @@ def test_the_model_chosen_for_rubber_is_exact_where_its_stretch_counts(seed, buo
     buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
     shape, rubber = reference_shell(study, basis).shape, rubber_shell(study, basis)
     ladder, memory = motion_ladder(study, basis, "VSWEC"), radiation_of(study)
-    seas = [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves]
+    seas = [wave.realisation(study.hydro.omega_max, 60.0) for wave in study.waves]
     small, high = (chosen(Scenes(buoy, shape, memory, one, ladder, study.simulation, rubber), 0.02) for one in seas)
     assert not small.description.body_exact
     assert high.description.body_exact

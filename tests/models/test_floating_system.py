@@ -13,7 +13,7 @@ from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.tuning import best_dampers, mean_power
 from vsb.engine.waves.kinds import RegularWave, StillWater
-from vsb.engine.waves.seas import NO_WAVES, regular
+from vsb.engine.waves.seas import NO_WAVES
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
 from vsb.models.floating_system import (
@@ -98,7 +98,7 @@ def test_seas_of_several_directions_form_one_port(floating):
     seas = []
     for period, direction in ((6.0, 0.0), (7.0, 45.0), (6.0, 45.0)):
         wave = RegularWave(kind="regular", amplitude=0.3, period=period, direction=direction)
-        seas.append((wave, regular(wave)))
+        seas.append((wave, wave.realisation()))
     seen = port_in_seas(floating, "a", seas)
     alone = []
     for (wave, _), place, row in zip(seas, seen.places, seen.squares, strict=True):
@@ -115,10 +115,10 @@ def test_seas_of_several_directions_form_one_port(floating):
 @pytest.mark.parametrize("first", [0, 1])
 def test_still_water_among_seas_contributes_nothing(floating, first):
     wave = RegularWave(kind="regular", amplitude=0.3, period=6.0, direction=45.0)
-    seas = [(wave, regular(wave))]
+    seas = [(wave, wave.realisation())]
     seas.insert(first, (StillWater(kind="still"), NO_WAVES))
     assert {going: omega.tolist() for going, omega in headings(seas).items()} == {45.0: [wave.omega]}
-    seen, alone = port_in_seas(floating, "a", seas), port_in_seas(floating, "a", [(wave, regular(wave))])
+    seen, alone = port_in_seas(floating, "a", seas), port_in_seas(floating, "a", [(wave, wave.realisation())])
     np.testing.assert_array_equal(seen.port.velocity, alone.port.velocity)
     np.testing.assert_allclose(seen.squares, [[0.09], [0.0]] if first else [[0.0], [0.09]])
     assert [place.tolist() for place in seen.places] == ([[0], []] if first else [[], [0]])

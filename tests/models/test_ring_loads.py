@@ -15,7 +15,6 @@ from vsb.engine.motion.port import port_direction
 from vsb.engine.shell.loaded import ElasticShell
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.rings import HIGHEST, RingModes, along_wall, normal_to_wall
-from vsb.engine.waves.seas import sea
 from vsb.models.floating_system import floating_system
 from vsb.models.further_modes import by_all_modes, reach_of_modes
 from vsb.models.mode_convergence import ModeConvergence
@@ -73,7 +72,7 @@ def test_interval_of_every_degree_holds_the_limit(seed, degree):
     study = varied(seed, designs=CLAMPED, waves=regular(2.5, 5.0), modes={"basis": "full", "degree": degree})
     buoy = StudyPlan(study).ladder.spec.buoy
     gain = gains(searched(study).powers(study.modes))
-    found = modes_left_out(buoy, [(wave, sea(wave, 12.0, 0.0)) for wave in study.waves])
+    found = modes_left_out(buoy, [(wave, wave.realisation(12.0, 0.0)) for wave in study.waves])
     low, high = found.gain.sel(design="CLAMPED", take_off="best_damper").values.T
     limit = np.array([-61.41, -16.85])
     assert np.all(gain + low - 0.01 <= limit)

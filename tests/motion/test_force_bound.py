@@ -13,7 +13,6 @@ from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
-from vsb.engine.waves.seas import sea
 from vsb.errors import ConfigError
 
 SEA = Harmonics(0.13, 0.5, 40)
@@ -85,7 +84,7 @@ def test_harmonics_outside_the_band_match_plain_sums(harmonics):
 )
 def test_harmonics_of_a_sea_contain_its_components(seed, wave):
     (chosen,) = varied(seed, waves=[wave]).waves
-    waves = sea(chosen, 12.0, 60.0)
+    waves = chosen.realisation(12.0, 60.0)
     harmonics = Harmonics.of_sea(waves.omega, 0.1, 12.0)
     at = np.searchsorted(harmonics.omega, waves.omega - 1e-9)
     np.testing.assert_allclose(harmonics.omega[at], waves.omega, rtol=1e-9)

@@ -18,7 +18,7 @@ from vsb.engine.hydro.bodies.mesh import joined, wetted
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers, mean_power
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, jonswap_spectrum
-from vsb.engine.waves.seas import NO_WAVES, Sea, components
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.engine.waves.water import Water
 from vsb.report import page as pages
 from vsb.report.canvas import style
@@ -73,7 +73,7 @@ def integral(gamma):
 
 
 SWELL = np.array([2.5])
-OMEGA, _ = components(Jonswap(kind="jonswap", hs=1.0, tp=5.0), 12.0, 100.0)
+OMEGA, _ = Jonswap(kind="jonswap", hs=1.0, tp=5.0).components(12.0, 100.0)
 KNOWN = OMEGA[OMEGA > 0.2]
 WIDTH = 2 * float(OMEGA[0])
 
@@ -115,7 +115,7 @@ def test_power_and_optimal_damping_agree_with_python(data, tmp_path):
       };
     })"""
     found = evaluated([ALGEBRA], expression, data, tmp_path)
-    amplitude = components(Jonswap(kind="jonswap", hs=1.0, tp=5.0), 12.0, 100.0)[1][OMEGA > 0.2]
+    amplitude = Jonswap(kind="jonswap", hs=1.0, tp=5.0).components(12.0, 100.0)[1][OMEGA > 0.2]
     for said, omega, squares in zip(found, (SWELL, KNOWN), (np.array([0.04]), amplitude**2), strict=True):
         np.testing.assert_allclose(said["powers"], powers(omega, squares), **AGREE)
         best = [best_dampers(port, squares[None]) for port in ports(omega).values()]
@@ -135,7 +135,7 @@ def test_changed_peak_period_agrees_with_python(tp, gamma, tmp_path):
         if gamma > 1
         else PiersonMoskowitz(kind="pierson_moskowitz", hs=1.0, tp=tp)
     )
-    expected = components(wave, 12.0, 100.0)[1][OMEGA > 0.2] ** 2
+    expected = wave.components(12.0, 100.0)[1][OMEGA > 0.2] ** 2
     found = np.array(evaluated([ALGEBRA], expression, stored, tmp_path))
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
     np.testing.assert_allclose(powers(KNOWN, found), powers(KNOWN, expected), **AGREE)
@@ -229,7 +229,7 @@ def test_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     matched = [0.04 * float(port.matched_power[0]) for port in ports(SWELL).values()]
     assert [float(row[2]) for row in found["matched"]] == pytest.approx(matched, rel=1e-3)
     assert [row[3] for row in found["matched"]] == ["\N{EN DASH}"] * 2
-    longer = components(Jonswap(kind="jonswap", hs=1.0, tp=9.0), 12.0, 100.0)[1][OMEGA > 0.2] ** 2
+    longer = Jonswap(kind="jonswap", hs=1.0, tp=9.0).components(12.0, 100.0)[1][OMEGA > 0.2] ** 2
     expected = [p[1] for p in powers(KNOWN, longer)]
     assert [float(row[2]) for row in found["sea"]] == pytest.approx(expected, rel=1e-3)
     gain = 100 * (expected[1] / expected[0] - 1)

@@ -10,7 +10,7 @@ from conftest import varied
 
 from vsb.engine.motion.port import Port
 from vsb.engine.waves.kinds import RegularWave, StillWater
-from vsb.engine.waves.seas import NO_WAVES, Sea, regular, sea
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.engine.waves.water import Water, group_velocity, power_limit
 from vsb.errors import ConfigError
 from vsb.models.build import TUNED
@@ -53,7 +53,7 @@ def harmonic_run(velocity=2.0, damping=100.0, period=4.0):
 
 
 def test_merit_of_harmonic_motion_is_its_closed_form():
-    found = merit(harmonic_run(), WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    found = merit(harmonic_run(), WAVE, WAVE.realisation(), Water(), (21.0, 39.9))
     assert found.displacement_pp == pytest.approx(2 * 2.0 / (np.pi / 2), rel=1e-5)
     assert found.velocity_pp == pytest.approx(4.0, rel=1e-5)
     assert found.power_peak == pytest.approx(400.0, rel=1e-5)
@@ -66,7 +66,11 @@ def test_merit_of_harmonic_motion_is_its_closed_form():
 def test_driving_take_off_has_negative_mean_power():
     run = harmonic_run()
     found = merit(
-        run.assign(power_absorbed=-run.power_absorbed, energy=-run.energy), WAVE, regular(WAVE), Water(), (21.0, 39.9)
+        run.assign(power_absorbed=-run.power_absorbed, energy=-run.energy),
+        WAVE,
+        WAVE.realisation(),
+        Water(),
+        (21.0, 39.9),
     )
     assert found.power_peak == pytest.approx(0.0, abs=1e-3)
     assert found.power_mean == pytest.approx(-200.0, rel=1e-8)
@@ -83,7 +87,7 @@ def test_means_are_taken_over_whole_periods(window, expected):
 def test_energy_flux_of_deep_water_is_the_power_limit_and_of_finite_depth_uses_the_group_velocity():
     water, omega = Water(), WAVE.omega
     limit = power_limit(omega, np.inf, water.density, water.gravity) * 0.25
-    assert limit / energy_flux(regular(WAVE), water) == pytest.approx(9.81 / omega**2)  # wavelength/(2 pi)
+    assert limit / energy_flux(WAVE.realisation(), water) == pytest.approx(9.81 / omega**2)  # wavelength/(2 pi)
     water, omega = Water(density=900.0, gravity=9.0, depth=6.0), np.array([0.5, 0.9])
     speeds = [group_velocity(w, 6.0, 9.0) for w in omega]
     expected = 0.5 * 900.0 * 9.0 * (0.25 * speeds[0] + 0.04 * speeds[1])
@@ -146,7 +150,7 @@ def test_power_gain_is_of_the_window_and_energy_gain_of_the_run(seed):
     time, (wave,) = np.linspace(0.0, 60.0, 601), two.waves
     runs = {name: still_run(600.0, 0.0) for name in designs}
     runs["S"]["energy"] = (("time", "term"), 20.0 * np.maximum(time - 40.0, 0.0)[:, None])
-    rigid, shell = comparison(two, wave, runs, sea(wave, 12.0, 60.0))
+    rigid, shell = comparison(two, wave, runs, wave.realisation(12.0, 60.0))
     assert (rigid["power_gain_percent"], rigid["energy_gain_percent"]) == (0.0, 0.0)
     assert shell["power_gain_percent"] == pytest.approx(100.0, rel=1e-3)
     assert shell["energy_gain_percent"] == pytest.approx(-100 / 3, rel=1e-9)

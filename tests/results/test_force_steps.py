@@ -9,7 +9,6 @@ from report.test_interactive import ports
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.engine.waves.seas import regular
 from vsb.results.force_steps import SHARES, force_steps, harmonics_within, repeating
 
 BAND = (0.2, 9.0)
@@ -30,7 +29,7 @@ def test_power_is_increasing_and_concave_in_the_force_limit(wave):
     steps = force_steps(wave, BOTH, "FSB", BAND)
     assert list(steps.limits) == pytest.approx([share * steps.limits[-1] for share in SHARES])
     harmonics = harmonics_within(BAND, 2 * len(SHARES))
-    waves = regular(wave) if wave is SWELL else repeating(wave, harmonics)
+    waves = wave.realisation() if wave is SWELL else repeating(wave, harmonics)
     for name, powers in steps.powers.items():
         assert np.all(np.diff(powers) > 0)
         assert np.all(np.diff(np.diff(powers) / np.diff(steps.limits)) < 0)

@@ -12,7 +12,7 @@ from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import jonswap_spectrum
-from vsb.engine.waves.seas import Sea, sea
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import floating_system, port_in_seas
 from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled
@@ -43,13 +43,13 @@ SURGING = {
 
 def convergence(study, **options):
     return ModeConvergence(
-        StudyPlan(study).ladder.spec.buoy, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options
+        StudyPlan(study).ladder.spec.buoy, [wave.realisation(study.hydro.omega_max, 60.0) for wave in study.waves], **options
     )
 
 
 def left_out(study):
     return modes_left_out(
-        StudyPlan(study).ladder.spec.buoy, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+        StudyPlan(study).ladder.spec.buoy, [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves]
     )
 
 
@@ -211,7 +211,7 @@ def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, changes, t
     study = varied(seed, **{**PLANAR, **changes}, pto={"port": port, "damping": None, "tuning": "each"})
     plan = StudyPlan(study, root=str(tmp_path))
     make(plan, plan.hydro_files.values())
-    seas = [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+    seas = [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves]
     floating = floating_system(study, plan.hydro_files["database"])
     found = ModeConvergence(plan.ladder.spec.buoy, [directed(*one) for one in seas]).powers(study.modes)
     for i, design in enumerate(study.designs):
@@ -301,7 +301,7 @@ def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_
         waves=[{"kind": "regular", "amplitude": 0.1, "period": 3.4}],
     )
     found = left_out(study).isel(wave=0)
-    convergence = ModeConvergence(study, [sea(study.waves[0], 12.0, 0.0)])
+    convergence = ModeConvergence(study, [study.waves[0].realisation(12.0, 0.0)])
     poor, rich = (convergence.powers(Modes(basis="full", degree=n))[:, 0] for n in (6, 20))
     power, gain = rich / poor - 1, 100 * (rich[1] / rich[0] - poor[1] / poor[0])
     assert np.abs(power[0]).max() > 1e-5

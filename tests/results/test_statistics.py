@@ -8,7 +8,7 @@ import xarray as xr
 from conftest import varied
 
 from vsb.engine.motion.port import Port
-from vsb.engine.waves.seas import Sea, expected, sea, superposed
+from vsb.engine.waves.seas import Sea, superposed
 from vsb.models.build import TUNED
 from vsb.results import statistics as seastatistics
 from vsb.results.ledger import seas_checks
@@ -49,7 +49,7 @@ LAWS = {"linear": lambda c, v: c * v**2, "coulomb": lambda c, v: 0.3 * c * np.ab
 def made(study, wave, law):
     """Samples of runs of `MADE` in a realisation, in closed form."""
     window, duration = study.simulation.window, study.simulation.duration
-    waves, spectral = sea(wave, 4.0, duration), sea(expected(wave), 4.0, duration)
+    waves, spectral = wave.realisation(4.0, duration), wave.expected.realisation(4.0, duration)
     count = int((window[1] - window[0]) / wave.memory + 1e-9)
     steps = int(np.ceil(seastatistics.INSTANTS * waves.omega.max() * (window[1] - window[0]) / count / (2 * np.pi)))
     found = {}

@@ -7,14 +7,13 @@ from conftest import SMALL
 
 from vsb.engine.waves.kinds import Jonswap
 from vsb.engine.waves.records import read_record
-from vsb.engine.waves.seas import irregular
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import plan_for
 from vsb.study.study import load, parse
 
 STEP, COUNT = 0.5, 1200
 TIME = STEP * np.arange(COUNT)
-SEA = irregular(Jonswap(kind="jonswap", hs=0.6, tp=4.0, seed=2), 6.0, TIME[-1] + STEP).elevation(TIME)
+SEA = Jonswap(kind="jonswap", hs=0.6, tp=4.0, seed=2).realisation(6.0, TIME[-1] + STEP).elevation(TIME)
 """Ten minutes of a sea of 0.6 m."""
 
 

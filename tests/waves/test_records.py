@@ -10,7 +10,6 @@ from conftest import EXAMPLE, SMALL, SMALL_PLAN, varied
 
 from vsb.engine.waves.kinds import RecordedSea
 from vsb.engine.waves.records import read_record
-from vsb.engine.waves.seas import components, sea
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import StudyPlan, plan_for
 from vsb.stages.simulate import run_simulate
@@ -42,7 +41,7 @@ def test_harmonics_pass_through_every_sample(count):
     """Of any record, white noise about a mean level: even and odd numbers of samples, the highest harmonic included."""
     elevation = 0.4 + np.random.default_rng(count).normal(size=count)
     wave = recorded(elevation)
-    found = sea(wave, np.inf, 1.0).elevation(STEP * np.arange(count))
+    found = wave.realisation(np.inf, 1.0).elevation(STEP * np.arange(count))
     assert found == pytest.approx(elevation - elevation.mean(), abs=1e-13)
     if count % 2:  # else the highest harmonic has its crests at the samples: half its variance lies between them
         assert wave.hs == pytest.approx(4 * elevation.std(), rel=1e-12)
@@ -50,7 +49,7 @@ def test_harmonics_pass_through_every_sample(count):
 
 def test_phase_is_that_of_the_convention():
     time = STEP * np.arange(64)
-    found = sea(recorded(0.3 * np.cos(2 * np.pi * 4 * time / 16.0 - 0.7)), np.inf, 1.0)
+    found = recorded(0.3 * np.cos(2 * np.pi * 4 * time / 16.0 - 0.7)).realisation(np.inf, 1.0)
     assert found.omega[3] == pytest.approx(np.pi / 2)
     assert found.amplitude[3] == pytest.approx(0.3 * np.exp(0.7j), abs=1e-14)  # Re(a exp(-i omega t))
 
@@ -59,7 +58,7 @@ def test_spectrum_and_bands_hold_the_variance_of_the_record():
     _, elevation = measured()
     wave, omega = recorded(elevation), np.linspace(0.0, 12.0, 12001)
     assert np.trapezoid(wave.density(omega), omega) == pytest.approx(elevation.var(), rel=1e-5)
-    _, amplitude = components(wave, 12.0, 20.0)
+    _, amplitude = wave.components(12.0, 20.0)
     assert np.sum(amplitude**2) / 2 == pytest.approx(elevation.var(), rel=1e-9)
     assert wave.share_above(2.5) + wave.share_below(2.5) == pytest.approx(1.0)
     time = STEP * np.arange(400)
@@ -139,11 +138,11 @@ def test_elevation_of_a_run_is_the_record(model, small, tmp_path):
     plan.check_waves()
     run_simulate(plan.simulation("FSB", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
     run = stored(tmp_path / "run.nc")
-    exact = sea(wave, 5.0, 8.0).elevation(run.time.values)
+    exact = wave.realisation(5.0, 8.0).elevation(run.time.values)
     assert run.elevation.values == pytest.approx(exact, abs=1e-12)
     at_samples = np.interp(STEP * np.arange(32), run.time, run.elevation)
     assert np.abs(at_samples - (elevation - elevation.mean())[:32]).max() < 0.02 * np.abs(elevation).max()
-    assert sea(wave, 5.0, 8.0).elevation(STEP * np.arange(400)) == pytest.approx(
+    assert wave.realisation(5.0, 8.0).elevation(STEP * np.arange(400)) == pytest.approx(
         elevation - elevation.mean(), abs=1e-12
     )
     assert float(abs(run.position.sel(dof="Heave")).max()) > 0.05

@@ -14,13 +14,13 @@ from vsb.engine.waves.kinds import (
     WhiteNoise,
     jonswap_spectrum,
 )
-from vsb.engine.waves.seas import FEW, Sea, components, irregular, sea, sea_energy, superposed
+from vsb.engine.waves.seas import FEW, Sea, superposed
 from vsb.engine.waves.water import Water, group_velocity, wavenumber
 
 
 def test_realisations_differ_by_phase_only_and_repeat_by_seed():
-    first, again = (irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=3), 12.0, 60.0) for _ in range(2))
-    other = irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=4), 12.0, 60.0)
+    first, again = (Jonswap(kind="jonswap", hs=1, tp=5, seed=3).realisation(12.0, 60.0) for _ in range(2))
+    other = Jonswap(kind="jonswap", hs=1, tp=5, seed=4).realisation(12.0, 60.0)
     assert np.array_equal(first.amplitude, again.amplitude)
     assert np.abs(first.amplitude) == pytest.approx(np.abs(other.amplitude))
     assert not np.allclose(first.amplitude, other.amplitude)
@@ -31,7 +31,7 @@ def test_realisations_differ_by_phase_only_and_repeat_by_seed():
 def test_random_amplitudes_are_rayleigh_distributed_about_the_spectrum():
     """|a|^2 is exponential of its mean: its square has twice the square of the mean."""
     fixed, drawn = (
-        irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=3, amplitudes=kind), 12.0, 20_000.0)
+        Jonswap(kind="jonswap", hs=1, tp=5, seed=3, amplitudes=kind).realisation(12.0, 20_000.0)
         for kind in ("fixed", "random")
     )
     share = np.abs(drawn.amplitude) ** 2 / np.abs(fixed.amplitude) ** 2
@@ -40,9 +40,9 @@ def test_random_amplitudes_are_rayleigh_distributed_about_the_spectrum():
 
 
 def test_regular_and_still_seas():
-    regular = sea(RegularWave(kind="regular", amplitude=0.2, period=4.0), 12.0, 60.0)
+    regular = RegularWave(kind="regular", amplitude=0.2, period=4.0).realisation(12.0, 60.0)
     assert regular.elevation(np.array([0.0, 1.0, 2.0])) == pytest.approx([0.2, 0.0, -0.2], abs=1e-15)
-    still = sea(StillWater(kind="still"), 12.0, 60.0)
+    still = StillWater(kind="still").realisation(12.0, 60.0)
     assert np.array_equal(still.elevation(np.array([0.0, 1.0])), [0.0, 0.0])
 
 
@@ -85,7 +85,7 @@ def test_white_noise_has_one_density_in_its_band():
     for omega, above in ((0.5, 1.0), (1.0, 1.0), (1.5, 0.8), (3.0, 0.2), (3.5, 0.0), (5.0, 0.0)):
         assert wave.share_above(omega) == pytest.approx(above, abs=1e-14)
         assert wave.share_below(omega) == pytest.approx(1 - above, abs=1e-14)
-    omega, amplitude = components(wave, 12.0, 300.0)
+    omega, amplitude = wave.components(12.0, 300.0)
     count = int(np.ceil(2.5 * 1.1 * 300.0 / (2 * np.pi)))
     assert omega == pytest.approx(1.0 + 2.5 * (np.arange(count) + 0.5) / count, rel=1e-12)
     assert amplitude == pytest.approx(np.full(count, np.sqrt(2 * level * 2.5 / count)), rel=1e-9)
@@ -145,7 +145,7 @@ def test_a_sea_of_finite_depth_carries_its_height_and_a_saturated_tail(hs, tp, d
 @pytest.mark.parametrize("seed", [0, 5])
 def test_phases_are_uniform_and_those_of_the_seed(seed):
     wave = WhiteNoise(kind="white_noise", hs=2.0, band=(1.0, 3.5), seed=seed)
-    found = sea(wave, 12.0, 300.0)
+    found = wave.realisation(12.0, 300.0)
     turned = np.exp(2j * np.pi * np.random.default_rng(seed).random(len(found.omega)))
     assert found.amplitude / np.abs(found.amplitude) == pytest.approx(turned, abs=1e-12)
 
@@ -174,7 +174,7 @@ def test_sum_equals_direct_summation(components, instants, start, dt, even):
 
 def test_one_hour_of_a_sea_loses_no_digits():
     """7565 components at 100 000 instants; a sum as it stands would need 6 GB of cosines."""
-    waves = sea(Jonswap(kind="jonswap", hs=1.0, tp=6.0), 12.0, 3600.0)
+    waves = Jonswap(kind="jonswap", hs=1.0, tp=6.0).realisation(12.0, 3600.0)
     time = np.linspace(0.0, 3600.0, 100_001)
     some = np.random.default_rng(1).integers(0, len(time), 50)
     found = superposed(waves.omega, waves.amplitude[:, None], time)[some]
@@ -199,5 +199,5 @@ def test_energy_of_a_sea_is_that_of_a_climate_with_its_spectrum(wave, depth):
     water = Water(depth=depth)
     omega = np.arange(0.1, 30.0, 1e-2) + 5e-3
     year = Climate.of_spectra(omega, wave.density(omega)[None], np.ones(1), "one sea")
-    found = sea_energy(wave, water)
+    found = wave.energy(water)
     assert found == pytest.approx((year.hs[0], year.te[0], year.flux(water)[0]), rel=2e-3)

@@ -6,7 +6,6 @@ import yaml
 from conftest import SMALL
 
 from vsb.engine.waves.kinds import Jonswap, TabulatedSea
-from vsb.engine.waves.seas import components, sea
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import plan_for
 from vsb.study.study import load, parse
@@ -41,7 +40,7 @@ def test_spectrum_of_a_file_is_the_sea_it_was_written_from(head, density, tmp_pa
     assert wave.hs == pytest.approx(SAME.hs, rel=1e-3)
     assert 16 * np.trapezoid(wave.density(fine), fine) == pytest.approx(wave.hs**2, rel=1e-6)
     assert 1 / wave.omega == pytest.approx(np.trapezoid(wave.density(fine) / fine, fine) / (wave.hs**2 / 16), rel=1e-5)
-    amplitude, expected = (components(one, 7.0, 200.0)[1] for one in (wave, SAME))
+    amplitude, expected = (one.components(7.0, 200.0)[1] for one in (wave, SAME))
     assert amplitude == pytest.approx(expected, abs=5e-3 * expected.max())
     for cut in (1.2, 2.0):
         assert wave.share_above(cut) == pytest.approx(SAME.share_above(cut), abs=2e-3)
@@ -65,13 +64,13 @@ def test_directions_are_those_of_the_table_at_each_frequency(density, tmp_path):
     wave = of_file(tmp_path, table(density[:, None] * parts / 30.0, [-30, 0, 30, 60]), direction=10.0, seed=2)
     assert wave.hs == pytest.approx(SAME.hs, rel=1e-3)
     assert wave.directions == (-20.0, 10.0, 40.0, 70.0)
-    found = sea(wave, 7.0, 600.0)
+    found = wave.realisation(7.0, 600.0)
     assert set(found.heading[found.omega < 2 * np.pi * 0.217]) == {-20.0}
     beyond, energy = found.omega > 2 * np.pi * 0.223, np.abs(found.amplitude) ** 2
     assert set(found.heading[beyond]) == {40.0, 70.0}
     share = energy[beyond & (found.heading == 70.0)].sum() / energy[beyond].sum()
     assert share == pytest.approx(0.75, abs=0.01)
-    assert np.array_equal(found.heading, sea(wave, 7.0, 600.0).heading)
+    assert np.array_equal(found.heading, wave.realisation(7.0, 600.0).heading)
 
 
 def test_a_buoy_that_heaves_takes_all_directions_together(density, tmp_path):

@@ -6,8 +6,8 @@ from conftest import SEED
 from scipy.special import betaincinv
 
 from vsb.engine.hydro.orders import Directions, heading_shares
-from vsb.engine.waves.kinds import Jonswap, Spreading
-from vsb.engine.waves.seas import irregular
+from vsb.engine.waves.kinds import Jonswap
+from vsb.engine.waves.seas import Spreading
 from vsb.errors import ConfigError
 from vsb.keys.reading import validated
 from vsb.models.floating_system import heading_in
@@ -31,7 +31,7 @@ def test_directions_have_equal_energy(s, count):
 
 def test_energy_is_that_of_the_long_crested_sea_and_shared_by_the_directions():
     """Amplitudes and phases do not change; each direction has a ninth of the energy of any part of the spectrum."""
-    long, short = (irregular(wave, 6.0, 1200.0) for wave in (Jonswap(kind="jonswap", hs=1.0, tp=5.0), spread(10.0)))
+    long, short = (wave.realisation(6.0, 1200.0) for wave in (Jonswap(kind="jonswap", hs=1.0, tp=5.0), spread(10.0)))
     assert long.heading is None
     assert np.array_equal(long.amplitude, short.amplitude)
     squares = np.abs(short.amplitude) ** 2
@@ -40,7 +40,7 @@ def test_energy_is_that_of_the_long_crested_sea_and_shared_by_the_directions():
         shares = [squares[inside & (short.heading == one)].sum() for one in np.unique(short.heading)]
         assert len(shares) == 9
         assert np.array(shares) / sum(shares) == pytest.approx(np.full(9, 1 / 9), abs=within)
-    again, other = irregular(spread(10.0), 6.0, 1200.0), irregular(spread(10.0, seed=2), 6.0, 1200.0)
+    again, other = spread(10.0).realisation(6.0, 1200.0), spread(10.0, seed=2).realisation(6.0, 1200.0)
     assert np.array_equal(short.heading, again.heading)
     assert not np.array_equal(short.heading, other.heading)
 
@@ -54,7 +54,7 @@ def test_mean_direction_and_order_are_those_of_cos_2s():
 
 
 def test_excitation_of_every_component_is_that_of_its_direction():
-    sea = irregular(spread(4.0, direction=20.0), 6.0, 300.0)
+    sea = spread(4.0, direction=20.0).realisation(6.0, 300.0)
     going = heading_in(spread(4.0, direction=20.0), sea)
     orders = np.array([0, 1, -1, 2])
     found = going.shares(orders, sea.omega)

@@ -1,5 +1,9 @@
-"""What every key of a study and of a body file means, once: for editors, the reference of the keys, and help."""
+"""What every key of a study and of a body file means, once: for editors, the reference of the keys, and help.
 
+Keys of kinds of waves and of materials stand at their classes, as `KEYS`.
+"""
+
+from collections.abc import Mapping
 from typing import NamedTuple
 
 
@@ -12,23 +16,6 @@ class Key(NamedTuple):
     at_port: str = ""  # where the unit depends on the port: field of `vsb.tools.variables.PortKind`
 
 
-_HS = {"hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area")}
-_DRAWN = {
-    "amplitudes": Key(
-        "", "random", "fixed: those of the spectrum; random: Rayleigh-distributed about it, as in records of a real sea"
-    ),
-    "seed": Key("-", "1", "seed of the random phases and amplitudes"),
-    "realisations": Key("-", "8", "how many seas of this spectrum are simulated, with consecutive seeds"),
-    "spreading": Key("", "{s: 10.0}", "short-crested waves, spread about the direction; for a buoy that surges"),
-}
-"""Of every sea of a spectrum, whose phases are drawn."""
-_SEA = _HS | _DRAWN
-_GOING = {
-    "direction": Key(
-        "degrees", "45.0", "direction the waves travel to, from the x axis; for a body, or a buoy that surges"
-    )
-}
-"""Of all waves."""
 _SEAS_GO_TO = Key("degrees", "0.0", "direction all seas of the year travel to, from the x axis; for a body only")
 
 _HULL = {
@@ -119,21 +106,6 @@ KEYS: dict[str, dict[str, Key]] = {
         "radial": Key("-", "[1.0, 0.05]", "a_1, a_2, ... of the radius x = sum a_k sin k phi, phi from top to keel"),
         "axial": Key("-", "[0.8, 0.0, 0.1]", "b_1, b_2, ... of the height z = sum b_k cos k phi"),
     },
-    "Hookean": {"law": Key("", "hookean", "Hooke's law, with young_modulus and poisson_ratio of the device")},
-    "NeoHookean": {
-        "law": Key("", "neo_hookean", "rubber to stretches of about 1.5"),
-        "mu": Key("Pa", "4.0e+5", "shear modulus; Young's modulus of small strains is three times as large"),
-    },
-    "MooneyRivlin": {
-        "law": Key("", "mooney_rivlin", "rubber to stretches of about 2"),
-        "c1": Key("Pa", "1.6e+5", "modulus of the first invariant; the shear modulus is 2 (c1 + c2)"),
-        "c2": Key("Pa", "4.0e+4", "modulus of the second invariant"),
-    },
-    "Gent": {
-        "law": Key("", "gent", "rubber up to the stretch at which its chains are straight"),
-        "mu": Key("Pa", "4.0e+5", "shear modulus of small strains"),
-        "jm": Key("-", "30.0", "first invariant, less 3, at which the chains are straight"),
-    },
     "StructuralDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
         "beta": Key("s", "1.0e-3", "damping per modal stiffness"),
@@ -181,11 +153,6 @@ KEYS: dict[str, dict[str, Key]] = {
         "clamp": Key(
             "degrees", "[0, 90]", "colatitudes from the top pole where the shell cannot move against the ballast"
         ),
-    },
-    "Water": {
-        "density": Key("kg/m^3", "1025.0", "density of the water"),
-        "depth": Key("m", "50.0", "depth of the sea; .inf is deep water"),
-        "gravity": Key("m/s^2", "9.81", "acceleration of gravity"),
     },
     "Hydro": {
         "model": Key(
@@ -374,96 +341,6 @@ KEYS: dict[str, dict[str, Key]] = {
         "omega_max": Key("rad/s", "3.0", "frequencies of the database above it are left out"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
         "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose cause is repaired, reported as a doubt"),
-    },
-    "StillWater": {"kind": Key("", "still", "no waves: free decay")},
-    "RegularWave": {
-        **_GOING,
-        "kind": Key("", "regular", "a sine wave"),
-        "amplitude": Key("m", "0.179", "half the height from trough to crest"),
-        "period": Key("s", "2.5", "period of the wave"),
-    },
-    "Spreading": {
-        "s": Key("-", "10.0", "exponent of cos^2s of half the angle from the mean direction; large: long-crested"),
-        "directions": Key("-", "9", "how many directions of equal energy stand for it"),
-    },
-    "Jonswap": {
-        **_GOING,
-        **_SEA,
-        "kind": Key("", "jonswap", "a growing wind sea"),
-        "tp": Key("s", "5.0", "period at the spectrum's peak"),
-        "gamma": Key("-", "3.3", "peakedness; 1 is Pierson and Moskowitz's sea"),
-    },
-    "PiersonMoskowitz": {
-        **_GOING,
-        **_SEA,
-        "kind": Key("", "pierson_moskowitz", "a fully developed sea"),
-        "tp": Key("s", "8.0", "period at the spectrum's peak"),
-    },
-    "Tma": {
-        **_GOING,
-        **_SEA,
-        "kind": Key("", "tma", "a JONSWAP sea in water that is not deep"),
-        "tp": Key("s", "8.0", "period at the peak of the deep-water spectrum"),
-        "gamma": Key("-", "3.3", "peakedness of the deep-water spectrum"),
-        "depth": Key("m", "20.0", "depth of the water, that of the section water"),
-        "gravity": Key("m/s^2", "9.81", "gravity, that of the section water"),
-    },
-    "OchiHubble": {
-        **_GOING,
-        **_DRAWN,
-        "kind": Key("", "ochi_hubble", "a sea of two peaks: swell and the wind sea beside it"),
-        "swell": Key("", "{hs: 1.5, tp: 12.0, peakedness: 3.0}", "the longer waves"),
-        "wind_sea": Key("", "{hs: 1.0, tp: 5.0}", "the shorter waves; the energies of both add up"),
-    },
-    "SeaPart": {
-        **_HS,
-        "tp": Key("s", "12.0", "period at its peak"),
-        "peakedness": Key("-", "3.0", "Ochi and Hubble's lambda: 1 is Pierson and Moskowitz's form; larger: narrower"),
-    },
-    "WhiteNoise": {
-        **_GOING,
-        **_SEA,
-        "kind": Key("", "white_noise", "constant spectral density over a band"),
-        "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
-    },
-    "RecordedSea": {
-        **_GOING,
-        "kind": Key("", "record", "measured elevations, from the beginning of the record"),
-        "file": Key(
-            "",
-            "elevation.csv",
-            "file of two columns, time in equal steps and elevation at the buoy's axis, in s and m or as their header "
-            "says; or step and elevation",
-        ),
-        "repair": Key(
-            "",
-            "[spikes, drift]",
-            "faults of the sensor that are repaired: gaps, times, spikes, steps of the level, drift",
-        ),
-        "accept": Key("", "[steps]", "what looks like spikes, steps, stuck or drift, but is of the sea"),
-    },
-    "Samples": {
-        "step": Key("s", "0.5", "time between samples"),
-        "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the start of the run"),
-        "notes": Key("", "['columns left out: wind']", "what its file holds beside, and how it was read"),
-    },
-    "TabulatedSea": {
-        **_GOING,
-        **_DRAWN,
-        "kind": Key("", "spectrum", "a sea with the spectrum of a file"),
-        "file": Key(
-            "",
-            "spectrum.csv",
-            "file of two columns, frequency and density, in Hz and m^2/Hz or as their header says, or of a table over "
-            "frequency and direction",
-        ),
-    },
-    "SpectrumTable": {
-        "frequency": Key("Hz", "[0.1, 0.15, 0.3]", "frequencies, ascending"),
-        "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
-        "directions": Key("degrees", "[0.0, 30.0]", "directions the waves travel to, from the x axis"),
-        "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "shares of each frequency's energy, by direction"),
-        "notes": Key("", "['columns left out: phase']", "what its file holds beside, and how it was read"),
     },
     "Simulation": {
         "duration": Key("s", "60.0", "time simulated"),
@@ -713,10 +590,17 @@ KEYS: dict[str, dict[str, Key]] = {
 """Section of the models -> key -> what it means."""
 AT_PORT = {f"pto.{name}": key.at_port for name, key in KEYS["Pto"].items() if key.at_port}
 """Keys of a take-off whose units depend on its port: field of `PortKind`."""
-_UNITS: dict[str, set[str]] = {}
-for _section in KEYS.values():
-    for _name, _key in _section.items():
-        if _key.unit not in ("", "-"):
-            _UNITS.setdefault(_name, set()).add(_key.unit)
-UNITS = {name: units.pop() if len(units) == 1 else "SI" for name, units in _UNITS.items()}
-"""Units of numbers by the last word of their key; others have none."""
+UNITS: dict[str, str] = {}
+"""Units of numbers by the last word of their key, SI where they are several; others have none."""
+
+
+def describe(section: str, keys: Mapping[str, Key]) -> None:
+    """Say what the keys of a section mean."""
+    KEYS[section] = dict(keys)
+    for name, key in keys.items():
+        if key.unit not in ("", "-"):
+            UNITS[name] = key.unit if UNITS.get(name, key.unit) == key.unit else "SI"
+
+
+for _section in [*KEYS]:
+    describe(_section, KEYS[_section])

@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import PurePath
@@ -28,6 +29,7 @@ from pydantic._internal._model_construction import ModelMetaclass  # the type of
 from pydantic_core import CoreSchema
 
 from vsb.errors import ConfigError
+from vsb.keys.meanings import Key, describe
 
 
 def number(value: object) -> object:
@@ -97,7 +99,16 @@ class _Reported(ModelMetaclass):
 class Section(BaseModel, metaclass=_Reported):
     """A part of a study: unknown keys are errors, values never change."""
 
+    KEYS: ClassVar[Mapping[str, Key]] = {}  # what keys mean that `vsb.keys.meanings` does not list
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Describe the keys of a section with its own `KEYS` and those of the sections it is made from."""
+        known = {name: key for base in reversed(cls.__mro__) for name, key in vars(base).get("KEYS", {}).items()}
+        own = {name: key for name, key in known.items() if name in cls.model_fields}
+        if own and not getattr(cls, "__abstractmethods__", None):
+            describe(cls.__name__, own)
 
 
 class Brief(Section):

@@ -262,7 +262,7 @@ USUAL = {
     "N": (10.0, 1e9), "efficiency": (0.1, 1.0), "poisson_ratio": (0.1, 0.5), "tolerance": (1e-4, 0.1),
     "power_tolerance": (1e-3, 0.3), "uncertain": (1e-3, 0.5), "static_strain": (1e-3, 1.0),
 }  # fmt: skip
-"""Key, else unit of a key -> range of its likely values in that unit; pure numbers are in per cent by their key alone."""
+"""Key, else unit of a key -> range of its likely values in it; of pure numbers those alone that people give in %."""
 
 
 def other_units(model: type[BaseModel], raw: Any, place: Place) -> Iterator[tuple[str, float]]:

@@ -30,7 +30,7 @@ from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.engine.shell.rings import HIGHEST
 from vsb.engine.waves.kinds import SeaOfFile, SpectralSea, StillWater, Wave
-from vsb.engine.waves.seas import Sea, expected, sea
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, order_bases
 from vsb.models.ring_loads import stored_with_rings
@@ -308,7 +308,7 @@ def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> 
     """A sea of components that do not repeat within a duration [s], what of it lies in the band of a database."""
     lowest, highest = band(study, ds)
     lowest = float(ds.omega[0]) if isinstance(wave, SeaOfFile) else lowest
-    found = sea(wave, highest, duration)
+    found = wave.realisation(highest, duration)
     kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
     return found if kept.all() else found.part(kept)
 
@@ -322,7 +322,7 @@ def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     if not isinstance(wave, SpectralSea):
         return study_sea(study, wave, ds)
     width = 2.0 ** np.floor(np.log2(wave.resolution))
-    spectral = expected(wave).model_copy(update={"seed": 1})  # which a spread sea takes its directions by
+    spectral = wave.expected.model_copy(update={"seed": 1})  # which a spread sea takes its directions by
     return _within_band(study, spectral, ds, 2 * np.pi / (1.1 * width))
 
 

@@ -27,7 +27,7 @@ from vsb.engine.motion.take_off import Pto
 from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.loaded import equilibrium
 from vsb.engine.waves.kinds import RegularWave, StillWater
-from vsb.engine.waves.seas import Sea, sea
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import study_sea
@@ -119,7 +119,7 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
     highest = study.hydro.omega_max
     grid = {round(highest * (i + 1) / frequencies, 10) for i in range(frequencies)}
     waves = {wave.omega for wave in study.waves if isinstance(wave, RegularWave)}
-    seas = (sea(wave, highest, study.simulation.duration) for wave in study.waves)
+    seas = (wave.realisation(highest, study.simulation.duration) for wave in study.waves)
     lowest = min((float(one.omega.min()) for one in seas if one.omega.size), default=np.inf)
     known = grid | waves
     return ShapeFamily(

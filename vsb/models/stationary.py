@@ -17,8 +17,9 @@ from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import RESOLVED, Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
-from vsb.engine.waves.seas import PARTS, Sea
+from vsb.engine.waves.kinds import Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
+from vsb.engine.waves.seas import RESOLVED, Sea
+from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.models.drag import dragged_port
 from vsb.models.floating_system import FloatingSystem, heading, heading_in, port_in_seas

@@ -32,7 +32,7 @@ from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import converted_power, damper_within_force
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
-from vsb.engine.waves.kinds import RESOLVED
+from vsb.engine.waves.seas import RESOLVED
 from vsb.models.floating_system import AnyBody, Floating, InWaves, SeveralInWaves
 from vsb.models.stationary import continued, continued_several, force_units, grid, rms_force, rms_limits
 from vsb.models.take_off import matrix_kind

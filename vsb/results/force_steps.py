@@ -14,7 +14,7 @@ from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.kinds import Irregular, IrregularSea, RegularWave, SpectralSea
-from vsb.engine.waves.seas import Sea, regular
+from vsb.engine.waves.seas import Sea
 from vsb.errors import VsbError
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
 from vsb.tools.arrays import FloatArray
@@ -91,7 +91,7 @@ def force_steps(
         harmonics = harmonics_within(band, seas * len(seen) * len(SHARES))
         waves, repeats = repeating(wave, harmonics), 2 * np.pi / harmonics.spacing
     else:
-        waves, repeats = regular(wave), None
+        waves, repeats = wave.realisation(), None
         harmonics = Harmonics.of_sea(waves.omega, *band)
     ports = {design: port(harmonics.port_omega) for design, port in seen.items()}
     of = next((d for d in (reference, *ports) if d in ports and ports[d].moves), None)

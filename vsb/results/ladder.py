@@ -39,7 +39,7 @@ from vsb.engine.motion.tuning import (
     squares,
 )
 from vsb.engine.waves.kinds import IrregularSea, StillWater, Wave
-from vsb.engine.waves.seas import Sea, expected, superposed
+from vsb.engine.waves.seas import Sea, superposed
 from vsb.errors import ConfigError, VsbError
 from vsb.models.drag import dragged_port
 from vsb.models.floating_system import (
@@ -158,7 +158,7 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     if not waves:
         return []
     ds = floating.linear.database
-    records = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
+    records = {wave.label: study_sea(study, wave.expected, ds) for wave in waves}
     seas = {wave.label: expected_sea(study, wave, ds) for wave in waves}
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))

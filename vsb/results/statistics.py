@@ -137,7 +137,7 @@ def sample(
     Parameters
     ----------
     sea, spectral : Sea
-        The realisation, and the same with the amplitudes of the spectrum (`vsb.engine.waves.seas.expected`).
+        The realisation, and the same with the amplitudes of the spectrum (`vsb.engine.waves.seas.BaseWave.expected`).
     response : xarray.Dataset
         The frequency response of the study.
     fine : Sea, optional

@@ -118,13 +118,12 @@ def sea_lines(plan: Plan) -> list[str]:
 
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         return [f"seas         {len(seas.hours)} over the year: {seas.means(plan.loaded.base.water)}"]
-    from vsb.engine.waves.seas import sea_energy
 
     found = {}
     for wave in plan.study.waves if plan.study.needs_bem else ():
         if isinstance(wave, StillWater):
             continue
-        energy = sea_energy(wave, plan.study.water)
+        energy = wave.energy(plan.study.water)
         flux = f"{energy.flux / 1000:.3g} kW/m"
         if isinstance(wave, RegularWave):
             found[wave.label] = f"height {energy.height:.3g} m, period {energy.period:.3g} s, {flux}"

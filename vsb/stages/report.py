@@ -34,7 +34,7 @@ from vsb.engine.waves.kinds import (
     Wave,
     jonswap_spectrum,
 )
-from vsb.engine.waves.seas import NO_WAVES, components, expected
+from vsb.engine.waves.seas import NO_WAVES
 from vsb.engine.waves.water import group_velocity
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import FloatingSystem, band, expected_sea, floating_system, heading, study_sea
@@ -187,7 +187,7 @@ def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
     study, label = found.study, wave.label
     waves, spectral, whole = NO_WAVES, NO_WAVES, NO_WAVES
     if study.needs_bem:
-        waves, spectral = (study_sea(study, one, found.database) for one in (wave, expected(wave)))
+        waves, spectral = (study_sea(study, one, found.database) for one in (wave, wave.expected))
         whole = expected_sea(study, wave, found.database)
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
@@ -387,7 +387,7 @@ def _sea(
     if isinstance(wave, IrregularSea):
         room = 2 * math.pi * MOST / (1.1 * highest * len(study.designs))  # longest run that a page has room for [s]
         duration = min(study.simulation.duration, room)
-        omega, amplitude = components(wave, highest, duration)
+        omega, amplitude = wave.components(highest, duration)
         width = 2 * float(omega[0])
         kept = (omega >= known[0]) & (omega <= known[1])
         omega, squares = omega[kept], amplitude[kept] ** 2

@@ -35,7 +35,6 @@ from vsb.engine.waves.kinds import (
     Travelling,
     Wave,
     WhiteNoise,
-    directions_of,
     with_files,
 )
 from vsb.engine.waves.water import Water
@@ -589,7 +588,7 @@ class Study(Buoy, BaseStudy):
     @property
     def directions(self) -> tuple[float, ...]:
         """Directions its waves go to [degrees]; none where all go along x, as those a buoy that heaves knows."""
-        going = dict.fromkeys(one for wave in self.waves if isinstance(wave, Travelling) for one in directions_of(wave))
+        going = dict.fromkeys(one for wave in self.waves for one in wave.directions)
         return tuple(going) if any(going) else ()
 
     @property

@@ -1,4 +1,4 @@
-"""Laws of elasticity of thin walls: energy, stresses and moduli of a sheet in plane stress, and of a wall that bends.
+"""What the wall is made of: laws of elasticity of thin walls, what a study file says of them, materials by name.
 
 Strains are principal Green strains of the sheet, E_i = (lambda_i^2 - 1)/2 with the stretches lambda_1 and lambda_2; the
 energy W(E_1, E_2) is per undeformed volume, so S_i = dW/dE_i are second Piola-Kirchhoff stresses and the tension per
@@ -27,147 +27,10 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 import numpy as np
 from pydantic import Field
 
+from vsb.keys.meanings import Key
 from vsb.keys.quantities import NonNegative, Positive, Section, within
 from vsb.keys.reading import nearest
 from vsb.tools.arrays import FloatArray
-
-RUBBERS = "L. A. Wood, in Brandrup and Immergut, Polymer Handbook, Physical constants of rubbers (density)"
-ASHBY = "M. F. Ashby, Materials Selection in Mechanical Design, 3rd ed. 2005, Appendix C, middle of the range"
-
-
-@dataclass(frozen=True)
-class NamedMaterial:
-    """Constants of a material, and their source."""
-
-    density: float  # [kg/m^3]
-    source: str
-    mu: float | None = None  # of rubber [Pa]
-    young_modulus: float | None = None  # of Hooke's law [Pa]
-    poisson_ratio: float | None = None  # [-]
-
-    @property
-    def keys(self) -> dict[str, Any]:
-        """What stands for the name in the section `device`."""
-        if self.mu is not None:
-            return {"material": {"law": "neo_hookean", "mu": self.mu}}
-        return {"young_modulus": self.young_modulus, "poisson_ratio": self.poisson_ratio}
-
-
-NAMED = {
-    "natural_rubber": NamedMaterial(
-        970.0, f"L. R. G. Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, chapter 5 (mu); {RUBBERS}", mu=0.39e6
-    ),
-    "silicone": NamedMaterial(
-        1030.0, "Sylgard 184 cured at 25 °C: Johnston et al., J. Micromech. Microeng. 24 (2014) 035017", mu=0.44e6
-    ),
-    "nitrile": NamedMaterial(
-        1200.0, "Shore A 60, by hardness: A. N. Gent, Trans. Inst. Rubber Ind. 34 (1958) 46 (E = 3.6 MPa)", mu=1.2e6
-    ),
-    "polyethylene": NamedMaterial(950.0, ASHBY, young_modulus=0.76e9, poisson_ratio=0.42),
-    "glass_fibre": NamedMaterial(1860.0, f"{ASHBY}, GFRP", young_modulus=21.5e9, poisson_ratio=0.31),
-    "aluminium": NamedMaterial(2700.0, "EN 1999-1-1, 3.2.5", young_modulus=70e9, poisson_ratio=0.3),
-    "steel": NamedMaterial(7850.0, "EN 1993-1-1, 3.2.6", young_modulus=210e9, poisson_ratio=0.3),
-    "concrete": NamedMaterial(2500.0, "C30/37: EN 1992-1-1, table 3.1", young_modulus=33e9, poisson_ratio=0.2),
-}
-"""By the names a study file may use."""
-
-
-Modulus = Annotated[Positive, within(1.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
-
-
-class Hookean(Section):
-    """Hooke's law, of the device's young_modulus [Pa] and poisson_ratio [-]."""
-
-    law: Literal["hookean"] = "hookean"
-
-
-class NeoHookean(Section):
-    """Rubber of shear modulus mu [Pa]."""
-
-    law: Literal["neo_hookean"]
-    mu: Modulus
-
-    @property
-    def young_modulus(self) -> float:
-        """Young's modulus of small strains [Pa]."""
-        return 3 * self.mu
-
-
-class MooneyRivlin(Section):
-    """Rubber of moduli c1 and c2 [Pa]; its shear modulus is 2 (c1 + c2)."""
-
-    law: Literal["mooney_rivlin"]
-    c1: Modulus
-    c2: Annotated[NonNegative, within(0.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
-
-    @property
-    def young_modulus(self) -> float:
-        """Young's modulus of small strains [Pa]."""
-        return 6 * (self.c1 + self.c2)
-
-
-class Gent(Section):
-    """Rubber of shear modulus mu [Pa] whose chains are straight at I1 - 3 = jm [-]."""
-
-    law: Literal["gent"]
-    mu: Modulus
-    jm: Annotated[Positive, within(0.1, 1e6, "", "rubber has 10 to 200; above it is neo-Hookean")]
-
-    @property
-    def young_modulus(self) -> float:
-        """Young's modulus of small strains [Pa]."""
-        return 3 * self.mu
-
-
-Rubber = NeoHookean | MooneyRivlin | Gent
-Material = Annotated[Hookean | Rubber, Field(discriminator="law")]
-
-
-def with_moduli(device: Any) -> Any:
-    """Return the section `device` as nested mappings with the moduli that rubber implies.
-
-    A material by name stands for its constants, and for its density where none is given. Raises `ValueError` if the
-    section has moduli beside those of its material, or the name is unknown.
-    """
-    if isinstance(device, dict) and isinstance(device.get("material"), str):
-        device = _by_name(device)
-    if not isinstance(device, dict) or (law := _law(device.get("material"))) in (None, "hookean"):
-        return device
-    for key in ("young_modulus", "poisson_ratio"):
-        if key in device:
-            raise ValueError(f"{key}: received {device[key]!r} beside material {law}, which has its own; remove it")
-    return {**device, "young_modulus": _young_modulus(device["material"]), "poisson_ratio": 0.5}
-
-
-def _by_name(device: dict[str, Any]) -> dict[str, Any]:
-    """The section with the constants of its named material."""
-    name = device["material"]
-    if name not in NAMED:
-        near = nearest(name, NAMED)
-        meant = f"did you mean {near}? It" if near else "it"
-        law = "a law, such as {law: neo_hookean, mu: 4.0e+5}"
-        raise ValueError(f"material: received {name!r}; {meant} needs one of {', '.join(NAMED)}, or {law}")
-    found = NAMED[name]
-    for key in ("young_modulus", "poisson_ratio"):
-        if key in device:
-            raise ValueError(f"{key}: received {device[key]!r} beside material {name}, which has its own; remove it")
-    rest = {key: value for key, value in device.items() if key != "material"}
-    return {"density": found.density, **rest, **found.keys}
-
-
-def _law(material: Any) -> Any:
-    """The law of a material, valid or being read; None where there is none."""
-    return material.get("law") if isinstance(material, dict) else getattr(material, "law", None)
-
-
-def _young_modulus(material: Any) -> float:
-    """Young's modulus of rubber; 1 where what is wrong with it is left to be found by its own check."""
-    for rubber in get_args(Rubber):
-        try:
-            return float(rubber.model_validate(material).young_modulus)
-        except ValueError:
-            continue
-    return 1.0
 
 
 class Moduli(NamedTuple):
@@ -432,15 +295,6 @@ class GentLaw(Incompressible):
         return Derivatives(self.mu * self.jm / (2 * left), 0.0, self.mu * self.jm / (2 * left**2))
 
 
-def law_of(rubber: Rubber) -> Incompressible:
-    """Return the law of the rubber of a study."""
-    if isinstance(rubber, NeoHookean):
-        return NeoHookeanLaw(rubber.mu)
-    if isinstance(rubber, MooneyRivlin):
-        return MooneyRivlinLaw(rubber.c1, rubber.c2)
-    return GentLaw(rubber.mu, rubber.jm)
-
-
 class WallModuli(NamedTuple):
     """Second derivatives of the energy of a wall."""
 
@@ -509,3 +363,181 @@ class Wall:
             shear += c.shear * np.array([[np.ones(shape), twisted], [twisted, twisted**2]])
             shear[0, 0] += z * moment * thin.by_shear
         return WallModuli(self.thickness / 2 * normal, self.thickness / 2 * shear)
+
+
+RUBBERS = "L. A. Wood, in Brandrup and Immergut, Polymer Handbook, Physical constants of rubbers (density)"
+ASHBY = "M. F. Ashby, Materials Selection in Mechanical Design, 3rd ed. 2005, Appendix C, middle of the range"
+
+
+@dataclass(frozen=True)
+class NamedMaterial:
+    """Constants of a material, and their source."""
+
+    density: float  # [kg/m^3]
+    source: str
+    mu: float | None = None  # of rubber [Pa]
+    young_modulus: float | None = None  # of Hooke's law [Pa]
+    poisson_ratio: float | None = None  # [-]
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """What stands for the name in the section `device`."""
+        if self.mu is not None:
+            return {"material": {"law": "neo_hookean", "mu": self.mu}}
+        return {"young_modulus": self.young_modulus, "poisson_ratio": self.poisson_ratio}
+
+
+NAMED = {
+    "natural_rubber": NamedMaterial(
+        970.0, f"L. R. G. Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, chapter 5 (mu); {RUBBERS}", mu=0.39e6
+    ),
+    "silicone": NamedMaterial(
+        1030.0, "Sylgard 184 cured at 25 °C: Johnston et al., J. Micromech. Microeng. 24 (2014) 035017", mu=0.44e6
+    ),
+    "nitrile": NamedMaterial(
+        1200.0, "Shore A 60, by hardness: A. N. Gent, Trans. Inst. Rubber Ind. 34 (1958) 46 (E = 3.6 MPa)", mu=1.2e6
+    ),
+    "polyethylene": NamedMaterial(950.0, ASHBY, young_modulus=0.76e9, poisson_ratio=0.42),
+    "glass_fibre": NamedMaterial(1860.0, f"{ASHBY}, GFRP", young_modulus=21.5e9, poisson_ratio=0.31),
+    "aluminium": NamedMaterial(2700.0, "EN 1999-1-1, 3.2.5", young_modulus=70e9, poisson_ratio=0.3),
+    "steel": NamedMaterial(7850.0, "EN 1993-1-1, 3.2.6", young_modulus=210e9, poisson_ratio=0.3),
+    "concrete": NamedMaterial(2500.0, "C30/37: EN 1992-1-1, table 3.1", young_modulus=33e9, poisson_ratio=0.2),
+}
+"""By the names a study file may use."""
+
+
+Modulus = Annotated[Positive, within(1.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
+
+
+class BaseMaterial(Section):
+    """What every material answers, so that nobody else asks which it is."""
+
+    @property
+    def rubber(self) -> Incompressible | None:
+        """The law of rubber; None of Hooke's law, whose moduli are the device's."""
+        return None
+
+
+class Hookean(BaseMaterial):
+    """Hooke's law, of the device's young_modulus [Pa] and poisson_ratio [-]."""
+
+    KEYS: ClassVar = {"law": Key("", "hookean", "Hooke's law, with young_modulus and poisson_ratio of the device")}
+    law: Literal["hookean"] = "hookean"
+
+
+class NeoHookean(BaseMaterial):
+    """Rubber of shear modulus mu [Pa]."""
+
+    KEYS: ClassVar = {
+        "law": Key("", "neo_hookean", "rubber to stretches of about 1.5"),
+        "mu": Key("Pa", "4.0e+5", "shear modulus; Young's modulus of small strains is three times as large"),
+    }
+    law: Literal["neo_hookean"]
+    mu: Modulus
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus of small strains [Pa]."""
+        return 3 * self.mu
+
+    @property
+    def rubber(self) -> Incompressible:
+        """The law of rubber."""
+        return NeoHookeanLaw(self.mu)
+
+
+class MooneyRivlin(BaseMaterial):
+    """Rubber of moduli c1 and c2 [Pa]; its shear modulus is 2 (c1 + c2)."""
+
+    KEYS: ClassVar = {
+        "law": Key("", "mooney_rivlin", "rubber to stretches of about 2"),
+        "c1": Key("Pa", "1.6e+5", "modulus of the first invariant; the shear modulus is 2 (c1 + c2)"),
+        "c2": Key("Pa", "4.0e+4", "modulus of the second invariant"),
+    }
+    law: Literal["mooney_rivlin"]
+    c1: Modulus
+    c2: Annotated[NonNegative, within(0.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus of small strains [Pa]."""
+        return 6 * (self.c1 + self.c2)
+
+    @property
+    def rubber(self) -> Incompressible:
+        """The law of rubber."""
+        return MooneyRivlinLaw(self.c1, self.c2)
+
+
+class Gent(BaseMaterial):
+    """Rubber of shear modulus mu [Pa] whose chains are straight at I1 - 3 = jm [-]."""
+
+    KEYS: ClassVar = {
+        "law": Key("", "gent", "rubber up to the stretch at which its chains are straight"),
+        "mu": Key("Pa", "4.0e+5", "shear modulus of small strains"),
+        "jm": Key("-", "30.0", "first invariant, less 3, at which the chains are straight"),
+    }
+    law: Literal["gent"]
+    mu: Modulus
+    jm: Annotated[Positive, within(0.1, 1e6, "", "rubber has 10 to 200; above it is neo-Hookean")]
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus of small strains [Pa]."""
+        return 3 * self.mu
+
+    @property
+    def rubber(self) -> Incompressible:
+        """The law of rubber."""
+        return GentLaw(self.mu, self.jm)
+
+
+Rubber = NeoHookean | MooneyRivlin | Gent
+Material = Annotated[Hookean | Rubber, Field(discriminator="law")]
+
+
+def with_moduli(device: Any) -> Any:
+    """Return the section `device` as nested mappings with the moduli that rubber implies.
+
+    A material by name stands for its constants, and for its density where none is given. Raises `ValueError` if the
+    section has moduli beside those of its material, or the name is unknown.
+    """
+    if isinstance(device, dict) and isinstance(device.get("material"), str):
+        device = _by_name(device)
+    if not isinstance(device, dict) or (law := _law(device.get("material"))) in (None, "hookean"):
+        return device
+    for key in ("young_modulus", "poisson_ratio"):
+        if key in device:
+            raise ValueError(f"{key}: received {device[key]!r} beside material {law}, which has its own; remove it")
+    return {**device, "young_modulus": _young_modulus(device["material"]), "poisson_ratio": 0.5}
+
+
+def _by_name(device: dict[str, Any]) -> dict[str, Any]:
+    """The section with the constants of its named material."""
+    name = device["material"]
+    if name not in NAMED:
+        near = nearest(name, NAMED)
+        meant = f"did you mean {near}? It" if near else "it"
+        law = "a law, such as {law: neo_hookean, mu: 4.0e+5}"
+        raise ValueError(f"material: received {name!r}; {meant} needs one of {', '.join(NAMED)}, or {law}")
+    found = NAMED[name]
+    for key in ("young_modulus", "poisson_ratio"):
+        if key in device:
+            raise ValueError(f"{key}: received {device[key]!r} beside material {name}, which has its own; remove it")
+    rest = {key: value for key, value in device.items() if key != "material"}
+    return {"density": found.density, **rest, **found.keys}
+
+
+def _law(material: Any) -> Any:
+    """The law of a material, valid or being read; None where there is none."""
+    return material.get("law") if isinstance(material, dict) else getattr(material, "law", None)
+
+
+def _young_modulus(material: Any) -> float:
+    """Young's modulus of rubber; 1 where what is wrong with it is left to be found by its own check."""
+    for rubber in get_args(Rubber):
+        try:
+            return float(rubber.model_validate(material).young_modulus)
+        except ValueError:
+            continue
+    return 1.0

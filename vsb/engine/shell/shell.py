@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vsb.engine.shell.device import Device
-from vsb.engine.shell.material import Hookean, HookeLaw, Incompressible, Law, Wall, law_of
+from vsb.engine.shell.material import HookeLaw, Incompressible, Law, Wall
 from vsb.engine.shell.meridian import ClosedMeridian, Curve, curve, spheroid
 from vsb.tools.arrays import FloatArray
 
@@ -68,8 +68,7 @@ class Shell:
     @classmethod
     def of(cls, device: Device) -> "Shell":
         """Return the shell of a study's device."""
-        given, size = device.material, (device.radius, device.thickness)
-        rubber = None if isinstance(given, Hookean) else law_of(given)
+        size, rubber = (device.radius, device.thickness), device.material.rubber
         law = rubber or HookeLaw(device.young_modulus, device.poisson_ratio)
         return cls(*size, law.young_modulus, law.poisson_ratio, device.density, device.meridian, rubber)
 

@@ -132,7 +132,7 @@ class Climate:
 def realised(
     climate: Climate, sea: int, duration: float, seed: int, lowest: float = 0.0, highest: float = np.inf
 ) -> Sea:
-    """Return a realisation of one sea that does not repeat within a run; see `vsb.engine.waves.seas.irregular`.
+    """Return a realisation of one sea that does not repeat within a run; see `vsb.engine.waves.seas.SpectralSea`.
 
     Parameters
     ----------

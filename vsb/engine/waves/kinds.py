@@ -1,26 +1,30 @@
-"""The kinds of seas: what a file may say of each, its words, and its spectral density; validated and frozen.
+"""The kinds of seas of a model spectrum: what a file may say of each, its words, and its spectral density.
 
-A new kind is a class here, with `kind`, `density` and `words`, a name in `Spectral`, and its keys in
-`vsb.keys.meanings`. Realisations are in `vsb.engine.waves.seas`.
+A new kind is a class here, with `kind`, its keys and what they mean, `density` and `words`, and a name in `Spectral`.
 """
 
-import bisect
 import copy
 import math
-from abc import abstractmethod
 from collections.abc import Callable, Iterable
-from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from vsb.engine.waves.records import LEFT_OUT, Acceptable, Repairable, Samples, read_record
-from vsb.engine.waves.spectrum_table import SpectrumTable, read_spectrum
+from vsb.engine.waves.records import RecordedSea as RecordedSea
+from vsb.engine.waves.records import read_record
+from vsb.engine.waves.seas import BANDS, BaseWave, Height, Period
+from vsb.engine.waves.seas import IrregularSea as IrregularSea
+from vsb.engine.waves.seas import RegularWave as RegularWave
+from vsb.engine.waves.seas import SeaOfFile as SeaOfFile
+from vsb.engine.waves.seas import SpectralSea as SpectralSea
+from vsb.engine.waves.seas import StillWater as StillWater
+from vsb.engine.waves.seas import Travelling as Travelling
+from vsb.engine.waves.spectrum_table import TabulatedSea, read_spectrum
 from vsb.engine.waves.water import wavenumbers
-from vsb.errors import ConfigError
-from vsb.keys.quantities import Brief, Count, Number, Positive, Section, within
+from vsb.keys.meanings import Key
+from vsb.keys.quantities import Number, Positive, Section, within
 from vsb.keys.reading import Located
 from vsb.tools.arrays import FloatArray
 
@@ -81,260 +85,11 @@ def ochi_hubble_peak(omega: FloatArray, hs: float, tp: float, peakedness: float)
     return np.asarray(scale * np.exp(-p * (np.log(ratio) + 0.25 * ratio**-4.0)))
 
 
-RESOLVED = 0.01
-"""Of the frequency of the peak: bands within which a density hardly changes."""
-SMOOTHED = 0.05
-"""Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
-BANDS, HIGHEST = 2000, 40.0
-"""Bands a spectrum is summed over, to this multiple of its highest peak frequency: beyond it lies 1e-6 of JONSWAP's."""
-Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
-Period = Annotated[Positive, within(1e-3, 1e7, "s", "gravity waves have periods between")]
-
-
-class StillWater(Section):
-    """No waves: free decay."""
-
-    kind: Literal["still"]
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return "still"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return "still water"
-
-    @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return self.label
-
-
-class Travelling(Section):
-    """Waves that go somewhere: their direction [degrees] from the x axis."""
-
-    direction: Annotated[Number, Field(ge=-360, le=360)] = 0.0
-
-    @property
-    def _towards(self) -> str:
-        """What the direction adds to a name."""
-        return f"_d{self.direction:g}" if self.direction else ""
-
-    @property
-    def _going(self) -> str:
-        """What the direction adds to words."""
-        return f" going to {self.direction:g} degrees" if self.direction else ""
-
-
-class RegularWave(Travelling):
-    """Sine wave: amplitude [m], period [s]."""
-
-    kind: Literal["regular"]
-    amplitude: Height
-    period: Period
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return f"regular_A{self.amplitude:g}_T{self.period:g}{self._towards}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"regular waves of {self.amplitude:g} m amplitude and {self.period:g} s period{self._going}"
-
-    @property
-    def omega(self) -> float:
-        """Angular frequency [rad/s]."""
-        return 2 * math.pi / self.period
-
-    @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return self.label
-
-    @property
-    def fastest(self) -> float:
-        """Its one frequency [rad/s]."""
-        return self.omega
-
-
-class IrregularSea(Travelling):
-    """A sea of many components."""
-
-    if TYPE_CHECKING:
-        kind: str
-        hs: float  # significant height [m]
-        amplitudes: Literal["fixed", "random"]  # of a realisation: those of the sea, or about them
-
-    @property
-    @abstractmethod
-    def size(self) -> str:
-        """Every key of its spectrum that matters, for names of files."""
-
-    @property
-    @abstractmethod
-    def words(self) -> str:
-        """Its spectrum in words."""
-
-    @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"{self.kind}_{self.size}{self._towards}"
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return self.family
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"{self.words}{self._going}"
-
-    @property
-    @abstractmethod
-    def omega(self) -> float:
-        """Frequency of the peak, of the middle of the band, or of the energy period [rad/s]."""
-
-    @property
-    def reach(self) -> tuple[float, float]:
-        """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
-        return 0.4 * self.omega, self.omega
-
-    @property
-    def fastest(self) -> float:
-        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
-        return 4.3 * self.omega
-
-    @property
-    def memory(self) -> float:
-        """Time after which the waves have forgotten what they were [s]: ten peak periods."""
-        return 20 * math.pi / self.omega
-
-    @property
-    def resolution(self) -> float:
-        """Width of bands within which the density hardly changes [rad/s]."""
-        return RESOLVED * self.omega
-
-    @abstractmethod
-    def density(self, omega: FloatArray) -> FloatArray:
-        """Return the spectral density, shape of `omega` [m^2 s/rad]: 16 m0 = hs^2."""
-
-    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
-        width = high - low
-        inside = math.ceil(float(np.max(width, initial=0.0)) / (2 * self.resolution))  # a band may hold the peak
-        fine = low[:, None] + (np.arange(inside) + 0.5) / inside * width[:, None]
-        return np.asarray(self.density(fine).mean(axis=1) * width)
-
-    def bands(self) -> tuple[FloatArray, FloatArray]:
-        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
-        low, high = self.reach
-        edges = np.geomspace(low, HIGHEST * high, BANDS + 1)
-        middle = (edges[1:] + edges[:-1]) / 2
-        return middle, self.density(middle) * np.diff(edges)
-
-    def share_below(self, omega: float) -> float:
-        """Return the share of the sea's energy below a frequency [rad/s]."""
-        below = np.linspace(0.0, omega, 4001)[1:]
-        return float(np.trapezoid(self.density(below), below)) * 16 / self.hs**2
-
-    def share_above(self, omega: float) -> float:
-        """Return the share of the sea's energy above a frequency [rad/s]."""
-        beyond = np.linspace(omega, 20 * omega, 4001)
-        return float(np.trapezoid(self.density(beyond), beyond)) * 16 / self.hs**2
-
-
-class Spreading(Section):
-    """Waves spread about their mean direction, cos^2s of half the angle (Longuet-Higgins), in some directions."""
-
-    s: Annotated[Number, Field(ge=1, le=1e4)]
-    directions: Annotated[Count, Field(ge=2, le=36)] = 9
-
-    @property
-    def angles(self) -> tuple[float, ...]:
-        """Directions from the mean [degrees], ascending: in the middle of parts of equal energy."""
-        steps = 2 * math.ceil(500 * math.sqrt(self.s))
-        half = [math.pi * i / steps for i in range(steps + 1)]  # of the circle, its density even
-        density = [math.cos(angle / 2) ** (2 * self.s) for angle in half]
-        energy = [0.0]
-        for before, after in pairwise(density):
-            energy.append(energy[-1] + (before + after) / 2)
-        found = []
-        for k in range(self.directions):
-            wanted = (2 * k + 1 - self.directions) / self.directions * energy[-1]  # from the mean, of either sign
-            i = bisect.bisect_left(energy, abs(wanted), 1, steps)
-            part = (abs(wanted) - energy[i - 1]) / (energy[i] - energy[i - 1])
-            found.append(math.copysign(math.degrees(half[i - 1] + part * (half[i] - half[i - 1])), wanted))
-        return tuple(found)
-
-
-class SpectralSea(Brief, IrregularSea):
-    """A sea of a spectrum: seed, number of realisations, amplitudes; its height [m] is `hs`, a key or a property.
-
-    Phases are random. `fixed` amplitudes follow the spectrum, so that every realisation carries the energy of the sea;
-    `random` ones are Rayleigh-distributed about it, as in records of a Gaussian sea. Realisations have seeds one after
-    the other; a study lists each as a sea of its own and takes statistics over all.
-    """
-
-    BRIEF = ("spreading",)
-    amplitudes: Literal["fixed", "random"] = "fixed"
-    seed: Annotated[Count, Field(ge=0)] = 1
-    realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
-    spreading: Spreading | None = None
-
-    @property
-    def spreads(self) -> bool:
-        """Whether its waves go to several directions."""
-        return self.spreading is not None
-
-    @property
-    def directions(self) -> tuple[float, ...]:
-        """Directions its waves go to, the mean one first [degrees]."""
-        beside = self.spreading.angles if self.spreading else ()
-        return tuple(dict.fromkeys([self.direction, *(round(self.direction + angle, 6) for angle in beside)]))
-
-    @property
-    def _towards(self) -> str:
-        """What direction and spreading add to a name."""
-        spread = f"_s{self.spreading.s:g}x{self.spreading.directions}" if self.spreading else ""
-        return f"{super()._towards}{spread}"
-
-    @property
-    def _going(self) -> str:
-        """What direction and spreading add to words."""
-        spread = f", spread by s = {self.spreading.s:g}" if self.spreading else ""
-        return f"{super()._going}{spread}"
-
-    @model_validator(mode="after")
-    def _seeds_fit_a_file_name(self) -> Self:
-        if self.seed + self.realisations > 2**32:
-            raise ValueError(f"seed of {len(str(self.seed))} digits: needs at most 2^32 - realisations")
-        return self
-
-    @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return super().family + ("_random" if self.amplitudes == "random" else "")
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return f"{self.family}_s{self.seed}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        varying = ", amplitudes random" if self.amplitudes == "random" else ""
-        return f"{self.words}{varying}{self._going}"
-
-
 class PeakedSea(SpectralSea):
     """A spectrum of one peak: significant height [m], peak period [s]."""
 
+    of_file: ClassVar[Literal[False]] = False
+    KEYS: ClassVar = {"tp": Key("s", "8.0", "period at the spectrum's peak")}
     hs: Height
     tp: Period
 
@@ -348,15 +103,15 @@ class PeakedSea(SpectralSea):
         """Peak angular frequency [rad/s]."""
         return 2 * math.pi / self.tp
 
-    @property
-    def jonswap_gamma(self) -> float | None:
-        """Peakedness of the JONSWAP sea it is [-]; None if it is none."""
-        return None
-
 
 class Jonswap(PeakedSea):
     """JONSWAP sea: peakedness [-]."""
 
+    KEYS: ClassVar = {
+        "kind": Key("", "jonswap", "a growing wind sea"),
+        "tp": Key("s", "5.0", "period at the spectrum's peak"),
+        "gamma": Key("-", "3.3", "peakedness; 1 is Pierson and Moskowitz's sea"),
+    }
     kind: Literal["jonswap"]
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
 
@@ -371,27 +126,35 @@ class Jonswap(PeakedSea):
         return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
     @property
-    def jonswap_gamma(self) -> float:
-        """Its peakedness [-]."""
-        return self.gamma
+    def jonswap_gamma(self) -> float | None:
+        """Its peakedness [-]; None of a kind made from this one that has another density."""
+        own = type(self)
+        same = (own.density, own.variances) == (Jonswap.density, Jonswap.variances)
+        return self.gamma if same else None
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
         return jonswap_spectrum(omega, self.hs, self.tp, self.gamma)
 
 
-class Tma(PeakedSea):
+class Tma(Jonswap):
     """JONSWAP sea on water of a depth [m] that breaks its longer waves (Bouws et al. 1985); gravity [m/s^2]."""
 
-    kind: Literal["tma"]
-    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+    KEYS: ClassVar = {
+        "kind": Key("", "tma", "a JONSWAP sea in water that is not deep"),
+        "tp": Key("s", "8.0", "period at the peak of the deep-water spectrum"),
+        "gamma": Key("-", "3.3", "peakedness of the deep-water spectrum"),
+        "depth": Key("m", "20.0", "depth of the water, that of the section water"),
+        "gravity": Key("m/s^2", "9.81", "gravity, that of the section water"),
+    }
+    kind: Literal["tma"]  # type: ignore[assignment]
     depth: Annotated[Positive, within(0.1, 2e4, "m", "no sea is deeper")]
     gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "the sun has 274 m/s^2")] = 9.81
 
     @property
     def size(self) -> str:
         """Height, period, peakedness and depth, for names of files."""
-        return f"{super().size}_g{self.gamma:g}_h{self.depth:g}"
+        return f"{super().size}_h{self.depth:g}"
 
     @property
     def words(self) -> str:
@@ -406,6 +169,7 @@ class Tma(PeakedSea):
 class PiersonMoskowitz(PeakedSea):
     """Fully developed sea of Pierson and Moskowitz."""
 
+    KEYS: ClassVar = {"kind": Key("", "pierson_moskowitz", "a fully developed sea")}
     kind: Literal["pierson_moskowitz"]
 
     @property
@@ -414,9 +178,11 @@ class PiersonMoskowitz(PeakedSea):
         return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
     @property
-    def jonswap_gamma(self) -> float:
-        """Peakedness of the JONSWAP sea it is [-]."""
-        return 1.0
+    def jonswap_gamma(self) -> float | None:
+        """That of the JONSWAP sea it is [-]; None of a kind made from this one that has another density."""
+        own = type(self)
+        same = (own.density, own.variances) == (PiersonMoskowitz.density, PiersonMoskowitz.variances)
+        return 1.0 if same else None
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
@@ -426,6 +192,11 @@ class PiersonMoskowitz(PeakedSea):
 class WhiteNoise(SpectralSea):
     """Sea of constant spectral density over a band [rad/s]: significant height [m], random seed."""
 
+    of_file: ClassVar[Literal[False]] = False
+    KEYS: ClassVar = {
+        "kind": Key("", "white_noise", "constant spectral density over a band"),
+        "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
+    }
     kind: Literal["white_noise"]
     hs: Height
     band: tuple[Positive, Positive]
@@ -497,10 +268,19 @@ class WhiteNoise(SpectralSea):
         """Return the share of the sea's energy above a frequency [rad/s]."""
         return 1.0 - self.share_below(omega)
 
+    def components(self, omega_max: float, duration: float, omega_min: float = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Return components within the band, whatever the highest frequency."""
+        return super().components(self.band[1], duration, self.band[0])
+
 
 class SeaPart(Section):
     """One peak of a sea: significant height [m], peak period [s], peakedness lambda [-] of Ochi and Hubble."""
 
+    KEYS: ClassVar = {
+        "hs": SpectralSea.KEYS["hs"],
+        "tp": Key("s", "12.0", "period at its peak"),
+        "peakedness": Key("-", "3.0", "Ochi and Hubble's lambda: 1 is Pierson and Moskowitz's form; larger: narrower"),
+    }
     hs: Height
     tp: Period
     peakedness: Annotated[Number, Field(ge=0.6, le=10)] = 1.0
@@ -535,6 +315,12 @@ class SeaPart(Section):
 class OchiHubble(SpectralSea):
     """Sea of two peaks by Ochi and Hubble (1976), swell and the wind sea beside it: their energies add up."""
 
+    of_file: ClassVar[Literal[False]] = False
+    KEYS: ClassVar = {
+        "kind": Key("", "ochi_hubble", "a sea of two peaks: swell and the wind sea beside it"),
+        "swell": Key("", "{hs: 1.5, tp: 12.0, peakedness: 3.0}", "the longer waves"),
+        "wind_sea": Key("", "{hs: 1.0, tp: 5.0}", "the shorter waves; the energies of both add up"),
+    }
     kind: Literal["ochi_hubble"]
     swell: SeaPart
     wind_sea: SeaPart
@@ -593,172 +379,15 @@ class OchiHubble(SpectralSea):
         return np.asarray(sum(ochi_hubble_peak(omega, part.hs, part.tp, part.peakedness) for part in self.parts))
 
 
-class SeaOfFile(IrregularSea):
-    """A sea that was measured or computed elsewhere, of what its file holds."""
-
-    if TYPE_CHECKING:
-        file: Samples | SpectrumTable
-
-    @property
-    def hs(self) -> float:  # type: ignore[override]
-        """Significant height [m]."""
-        return self.file.hs
-
-    @property
-    def omega(self) -> float:
-        """Frequency of the energy period [rad/s]."""
-        return self.file.energy_frequency
-
-    @property
-    def reach(self) -> tuple[float, float]:
-        """Frequencies the sea must find solved [rad/s]; see `check_band` for what may lie outside."""
-        return self.file.lowest, self.omega
-
-    @property
-    def fastest(self) -> float:
-        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
-        return self.file.fastest
-
-    @property
-    def size(self) -> str:
-        """Height, energy period, and what the file holds, for names of files."""
-        return f"Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words, and how its file was read."""
-        return super().description + (f" ({'; '.join(self.file.notes)})" if self.file.notes else "")
-
-    @property
-    def _size_in_words(self) -> str:
-        """Height and period in words."""
-        return f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
-
-    def share_below(self, omega: float) -> float:
-        """Return the share of the sea's energy below a frequency [rad/s]."""
-        return self.file.share_outside(omega, math.inf)
-
-    def share_above(self, omega: float) -> float:
-        """Return the share of the sea's energy above a frequency [rad/s]."""
-        return self.file.share_outside(0.0, omega)
-
-    def check_band(self, low: float, high: float, where: str) -> None:
-        """Check that a band [rad/s] holds the sea, but for little of its variance; raises `ConfigError`."""
-        if (share := self.file.share_outside(low, high)) > LEFT_OUT:
-            raise ConfigError(
-                f"{where}: received a {self.kind} with {100 * share:.3g} % of its variance outside the band solved, "
-                f"needs at most {100 * LEFT_OUT:g} % outside {low:.4g} to {high:.4g} rad/s; filter the {self.kind}, or "
-                "solve more"
-            )
+Spectral = Jonswap | PiersonMoskowitz | Tma | OchiHubble | WhiteNoise | TabulatedSea
+"""Seas of a spectrum."""
+Irregular = Spectral | RecordedSea
+Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]
 
 
-class RecordedSea(SeaOfFile):
-    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning.
-
-    Faults of the sensor are repaired or accepted as the file is read: what was done stands in the notes of the file.
-    """
-
-    kind: Literal["record"]
-    repair: tuple[Repairable, ...] = Field((), exclude=True)
-    accept: tuple[Acceptable, ...] = Field((), exclude=True)
-    file: Samples
-
-    @field_validator("file", mode="before", json_schema_input_type=str | Samples)
-    @classmethod
-    def _read(cls, value: Any, info: ValidationInfo) -> Any:
-        """A path stands for the file there."""
-        if not isinstance(value, str | Path):
-            return value
-        return read_record(Path(value), "file", info.data.get("repair", ()), info.data.get("accept", ()))
-
-    @property
-    def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
-        """Those of the record: nothing is drawn."""
-        return "fixed"
-
-    @property
-    def words(self) -> str:
-        """The record in words."""
-        return f"a record of {self.file.length:g} s of {self._size_in_words}"
-
-    def density(self, omega: FloatArray) -> FloatArray:
-        """Return the spectral density, shape of `omega` [m^2 s/rad], averaged over bands of `SMOOTHED`."""
-        width = SMOOTHED * self.omega
-        return self.variances(omega - width / 2, omega + width / 2) / width
-
-    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2].
-
-        Each harmonic stands for the band of frequencies nearest to it, and is cut with it.
-        """
-        edges = 2 * math.pi / self.file.length * (np.arange(len(self.file.omega) + 1) + 0.5)
-        below = np.concatenate([[0.0], np.cumsum(self.file.variances)])
-        return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
-
-    def bands(self) -> tuple[FloatArray, FloatArray]:
-        """Return frequencies [rad/s] and variances [m^2] of its harmonics."""
-        return self.file.omega, self.file.variances
-
-
-class TabulatedSea(SeaOfFile, SpectralSea):
-    """A sea of a spectrum in a file, over frequency or over frequency and direction; random seed."""
-
-    kind: Literal["spectrum"]
-    file: SpectrumTable
-
-    @field_validator("file", mode="before", json_schema_input_type=str | SpectrumTable)
-    @classmethod
-    def _read(cls, value: Any) -> Any:
-        """A path stands for the file there."""
-        return read_spectrum(Path(value), "file") if isinstance(value, str | Path) else value
-
-    @model_validator(mode="after")
-    def _spread_once(self) -> Self:
-        if self.spreading and self.file.directions:
-            raise ValueError("spreading: the file holds directions of its own; remove it")
-        return self
-
-    @property
-    def spreads(self) -> bool:
-        """Whether its waves go to several directions."""
-        return bool(self.spreading or self.file.directions)
-
-    @property
-    def directions(self) -> tuple[float, ...]:
-        """Directions its waves go to [degrees]: those of the file, turned by `direction`."""
-        if not self.file.directions:
-            return super().directions
-        return tuple(dict.fromkeys(round(self.direction + one, 6) for one in self.file.directions))
-
-    @property
-    def words(self) -> str:
-        """The spectrum in words."""
-        directional = "directional " if self.file.directions else ""
-        return f"a {directional}spectrum of {self._size_in_words}"
-
-    def density(self, omega: FloatArray) -> FloatArray:
-        """Return the spectral density, shape of `omega` [m^2 s/rad], linear between frequencies of the file."""
-        return self.file.at(omega)
-
-    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
-        return self.file.variance_below(high) - self.file.variance_below(low)
-
-    def bands(self) -> tuple[FloatArray, FloatArray]:
-        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
-        edges = np.linspace(self.file.omega[0], self.file.omega[-1], BANDS + 1)
-        return (edges[1:] + edges[:-1]) / 2, self.variances(edges[:-1], edges[1:])
-
-
-def directions_of(wave: Travelling) -> tuple[float, ...]:
-    """Return the directions the waves of a sea go to, the mean one first where they are spread about it [degrees]."""
-    return wave.directions if isinstance(wave, SpectralSea) else (wave.direction,)
-
-
-def file_lines(waves: Iterable[Travelling | StillWater]) -> list[str]:
+def file_lines(waves: Iterable[BaseWave]) -> list[str]:
     """Return the lines `vsb check` prints of seas of files: how each was read, and what was left out."""
-    seas = (wave for wave in waves if isinstance(wave, SeaOfFile))
-    return list(dict.fromkeys(f"file         {sea.family}: {note}" for sea in seas for note in sea.file.notes))
+    return list(dict.fromkeys(f"file         {sea.family}: {note}" for sea in waves for note in sea.file_notes))
 
 
 _DIRECTIONAL = {"directions", "shares"}
@@ -795,9 +424,3 @@ def with_files(raw: Any, source: str) -> Any:
             found = copy.deepcopy(raw) if found is raw else found
             found["waves"][i]["file"] = {key: held[key] for key in held if not (heaves and key in _DIRECTIONAL)}
     return found
-
-
-Spectral = Jonswap | PiersonMoskowitz | Tma | OchiHubble | WhiteNoise | TabulatedSea
-"""Seas of a spectrum."""
-Irregular = Spectral | RecordedSea
-Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]

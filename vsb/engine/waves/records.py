@@ -1,6 +1,8 @@
-"""Records of the sea's elevation: read from a file, and as sums of harmonics of their own length.
+"""Records of the sea's elevation: read from a file, checked for faults of sensors, and as sums of harmonics.
 
-Imports nothing heavy unless there is a record: the Snakefile reads a study at every parse.
+Faults are named with their time, and repaired only where a study asks for it. Spikes and steps are jumps many times
+those around them; a stuck sensor repeats a number for half a wave or more; drift is what changes more slowly than waves
+do. A wave that only looks like one of these can be accepted.
 """
 
 import math
@@ -9,19 +11,20 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from vsb.engine.waves.seas import TAIL, Sea, SeaFile, SeaOfFile
 from vsb.errors import ConfigError
-from vsb.keys.quantities import Brief, Positive, content_id
+from vsb.keys.meanings import Key
+from vsb.keys.quantities import Positive
 from vsb.tools import units
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.columns import Columns, dates, plain_name, read_columns
 from vsb.tools.units import number
 from vsb.tools.words import shortened
-
-if TYPE_CHECKING:
-    from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 Repairable = Literal["gaps", "times", "spikes", "steps", "drift"]
 Acceptable = Literal["spikes", "steps", "stuck", "drift"]
@@ -48,8 +51,8 @@ class Record:
     """A record while it is checked: instants [s], elevations [m], NaN where they are missing, lines of the file."""
 
     path: Path
-    time: "FloatArray"
-    elevation: "FloatArray"
+    time: FloatArray
+    elevation: FloatArray
     lines: tuple[int, ...]
     tolerance: float  # deviation of instants from equal steps that counts as rounding [s]
     repair: Collection[str]
@@ -118,8 +121,6 @@ def _report(record: Record, fault: Fault, at: list[int]) -> tuple[Record, bool]:
 
 def _filled(record: Record) -> Record:
     """Rows that are missing are put in, values that are missing are interpolated, over a part of a wave at most."""
-    import numpy as np
-
     time, elevation, lines = record.time, record.elevation, list(record.lines)
     whole = np.rint(np.diff(time) / record.step).astype(int)
     for i in np.flatnonzero(whole > 1)[::-1]:
@@ -144,8 +145,6 @@ def _filled(record: Record) -> Record:
 
 def _even_times(record: Record) -> Record:
     """Instants that are not equally spaced: the elevations between them are interpolated."""
-    import numpy as np
-
     even = np.linspace(record.time[0], record.time[-1], len(record.time))
     off = np.abs(record.time - even)
     if off.max() <= record.tolerance:
@@ -158,8 +157,6 @@ def _even_times(record: Record) -> Record:
 
 def _smooth(record: Record) -> Record:
     """Take out jumps that no wave makes, there and back or for good, or report them."""
-    import numpy as np
-
     jumps = np.diff(record.elevation)
     size = np.abs(jumps)
     robust = 1.4826 * float(np.median(np.abs(jumps - np.median(jumps))))
@@ -188,13 +185,11 @@ def _smooth(record: Record) -> Record:
     return record
 
 
-def _levelled(record: Record, steps: Sequence[int]) -> "FloatArray":
+def _levelled(record: Record, steps: Sequence[int]) -> FloatArray:
     """Elevations without steps: each jump but for those beside it, or by a fit of all where that is closer.
 
     The fit is of a straight line and the steps; waves of period T and deviation s change it by s T/(pi length).
     """
-    import numpy as np
-
     jumps, places = np.diff(record.elevation), np.arange(len(record.elevation))
     curved = 1.4826 * float(np.median(np.abs(np.diff(jumps))))
     heights = [jumps[i - 1] - np.mean(np.delete(jumps, i - 1)[max(i - 2, 0) : i]) for i in steps]
@@ -209,15 +204,13 @@ def _levelled(record: Record, steps: Sequence[int]) -> "FloatArray":
     return np.asarray(record.elevation - steady)
 
 
-def _around(size: "FloatArray", i: int) -> float:
+def _around(size: FloatArray, i: int) -> float:
     """Jumps around one that nine of ten do not exceed; those next to it may be of the same fault."""
-    import numpy as np
-
     near = np.r_[max(i - WINDOW, 0) : max(i - BESIDE, 0), min(i + BESIDE + 1, len(size)) : min(i + WINDOW, len(size))]
     return float(np.quantile(size[near], 0.9)) if len(near) else math.inf
 
 
-def _return(elevation: "FloatArray", i: int, around: float) -> int | None:
+def _return(elevation: FloatArray, i: int, around: float) -> int | None:
     """Last sample of a spike that begins with a jump: the next one is about where it began; None of a step."""
     jump = abs(float(elevation[i + 1] - elevation[i]))
     longest = min(LONGEST_SPIKE, max(2, int(0.5 * jump / around) if around else LONGEST_SPIKE))
@@ -229,8 +222,6 @@ def _return(elevation: "FloatArray", i: int, around: float) -> int | None:
 
 def _not_stuck(record: Record) -> Record:
     """Report where a value stays the same for half a wave, but for still water before and after waves."""
-    import numpy as np
-
     jumps = np.abs(np.diff(record.elevation))
     deviation = float(record.elevation.std())
     if not jumps.any() or deviation < 2 * float(jumps[jumps > 0].min()):
@@ -247,8 +238,6 @@ def _not_stuck(record: Record) -> Record:
 
 def _without_drift(record: Record) -> Record:
     """Take out what changes more slowly than waves do, or report it."""
-    import numpy as np
-
     slow = _slow(record.elevation, record.step)
     waves = record.elevation - slow
     crossings = int(((waves[:-1] < 0) & (waves[1:] >= 0)).sum())
@@ -260,9 +249,8 @@ def _without_drift(record: Record) -> Record:
     return replace(record, elevation=waves) if asked else record
 
 
-def _slow(elevation: "FloatArray", step: float) -> "FloatArray":
+def _slow(elevation: FloatArray, step: float) -> FloatArray:
     """The part of a record slower than waves: a straight line, and cosines of longer periods about it."""
-    import numpy as np
     from scipy.fft import dct, idct
 
     time = np.arange(len(elevation))
@@ -272,9 +260,8 @@ def _slow(elevation: "FloatArray", step: float) -> "FloatArray":
     return np.asarray(line + idct(parts, norm="ortho"))
 
 
-def _interpolated(time: "FloatArray", elevation: "FloatArray", bad: "FloatArray") -> "FloatArray":
+def _interpolated(time: FloatArray, elevation: FloatArray, bad: FloatArray) -> FloatArray:
     """Elevations with cubic splines through the good ones in place of the bad."""
-    import numpy as np
     from scipy.interpolate import CubicSpline
 
     good = ~np.asarray(bad, dtype=bool)
@@ -283,10 +270,8 @@ def _interpolated(time: "FloatArray", elevation: "FloatArray", bad: "FloatArray"
     return np.where(good, elevation, spline(inside))
 
 
-def _runs(there: "FloatArray") -> "list[tuple[int, int]]":
+def _runs(there: FloatArray) -> list[tuple[int, int]]:
     """First and last places of runs of true values."""
-    import numpy as np
-
     edges: IntArray = np.flatnonzero(np.diff(np.r_[0, np.asarray(there, dtype=int), 0]))
     return [(int(first), int(last) - 1) for first, last in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -301,10 +286,8 @@ MISSING = {"", "nan", "na", "n/a", "mm", "null", "none", "-", "--"}
 """Words that stand for a missing elevation."""
 ROUNDED = 0.1
 """Largest rounding of instants, in steps, within which their steps count as equal."""
-TAIL = 0.005
-"""Share of the variance that lies below the lowest frequency a record needs solved [-]."""
-LEFT_OUT = 0.01
-"""Largest share of the variance of a record that may lie outside the band solved [-]."""
+SMOOTHED = 0.05
+"""Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
 STANDARD_GRAVITY = 9.81
 STEEPEST = 0.1
 """Largest possible steepness, Hs over g Te^2/(2 pi): waves as high as a seventh of their length break [-]."""
@@ -317,14 +300,18 @@ def impossible(hs: Any, te: Any) -> Any:
     return (2 * math.pi * hs > STEEPEST * STANDARD_GRAVITY * te**2) | (hs > HIGHEST_SEA)
 
 
-class Samples(Brief):
+class Samples(SeaFile):
     """Elevations [m] at the buoy's axis at equal steps of time [s], as a sum of harmonics of their own length.
 
     Still water is the mean of the record. The harmonics a_k = conj(2 X_k/N), X the discrete Fourier transform of the N
     samples, have frequencies 2 pi k/(N step), and Re sum_k a_k exp(-i omega_k t) passes through every sample.
     """
 
-    BRIEF = ("notes",)
+    KEYS: ClassVar = {
+        "step": Key("s", "0.5", "time between samples"),
+        "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the start of the run"),
+        "notes": Key("", "['columns left out: wind']", "what its file holds beside, and how it was read"),
+    }
     step: Positive
     elevation: Annotated[
         tuple[Annotated[float, Field(ge=-HIGHEST, le=HIGHEST)], ...], Field(min_length=FEWEST, max_length=MOST)
@@ -343,7 +330,7 @@ class Samples(Brief):
         return self.step * len(self.elevation)
 
     @cached_property
-    def phasors(self) -> "ComplexArray":
+    def phasors(self) -> ComplexArray:
         """Complex amplitudes of the harmonics (harmonic,) [m]."""
         import numpy as np
 
@@ -354,14 +341,14 @@ class Samples(Brief):
         return np.asarray(found)
 
     @cached_property
-    def omega(self) -> "FloatArray":
+    def omega(self) -> FloatArray:
         """Frequencies of the harmonics (harmonic,) [rad/s]."""
         import numpy as np
 
         return np.asarray(2 * np.pi / self.length * np.arange(1, len(self.phasors) + 1))
 
     @cached_property
-    def variances(self) -> "FloatArray":
+    def variances(self) -> FloatArray:
         """Variance of each harmonic (harmonic,) [m^2]."""
         return abs(self.phasors) ** 2 / 2
 
@@ -395,11 +382,6 @@ class Samples(Brief):
         """Return the share of the variance outside a band [rad/s]."""
         outside = (self.omega < low - 1e-9) | (self.omega > high + 1e-9)
         return float(self.variances[outside].sum() / self.variances.sum())
-
-    @cached_property
-    def digest(self) -> str:
-        """Eight hexadecimal digits that name the record by what it holds."""
-        return content_id(self.model_dump(exclude={"notes"}))[:8]
 
 
 def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Collection[str] = ()) -> dict[str, Any]:
@@ -463,8 +445,6 @@ def _checked(
     repair: Collection[str], accept: Collection[str],
 ) -> tuple[float, list[float], list[str]]:  # fmt: skip
     """Step, elevations and notes of a record without faults of its sensor, its times `written` to so many seconds."""
-    import numpy as np
-
     usual = float(np.median(np.diff(times)))
     if sum(elevation == elevation for elevation in elevations) < FEWEST:
         raise ConfigError(f"{path}: received fewer than {FEWEST} elevations that are numbers, needs a record")
@@ -541,3 +521,73 @@ def _written_to(cells: Sequence[str]) -> float:
     """The last decimal that numbers of a file are written to; 0 of dates and powers of ten."""
     digits = [re.fullmatch(r"[-+]?\d+[.,]?(\d*)", cell) for cell in cells]
     return 10.0 ** -max(len(found[1]) for found in digits if found) if digits and all(digits) else 0.0
+
+
+class RecordedSea(SeaOfFile):
+    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning.
+
+    Faults of the sensor are repaired or accepted as the file is read: what was done stands in the notes of the file.
+    """
+
+    KEYS: ClassVar = {
+        "kind": Key("", "record", "measured elevations, from the beginning of the record"),
+        "file": Key(
+            "",
+            "elevation.csv",
+            "file of two columns, time in equal steps and elevation at the buoy's axis, in s and m or as their header "
+            "says; or step and elevation",
+        ),
+        "repair": Key(
+            "",
+            "[spikes, drift]",
+            "faults of the sensor that are repaired: gaps, times, spikes, steps of the level, drift",
+        ),
+        "accept": Key("", "[steps]", "what looks like spikes, steps, stuck or drift, but is of the sea"),
+    }
+    drawn: ClassVar[Literal[False]] = False
+    recorded: ClassVar[Literal[True]] = True
+    kind: Literal["record"]
+    repair: tuple[Repairable, ...] = Field((), exclude=True)
+    accept: tuple[Acceptable, ...] = Field((), exclude=True)
+    file: Samples
+
+    @field_validator("file", mode="before", json_schema_input_type=str | Samples)
+    @classmethod
+    def _read(cls, value: Any, info: ValidationInfo) -> Any:
+        """A path stands for the file there."""
+        if not isinstance(value, str | Path):
+            return value
+        return read_record(Path(value), "file", info.data.get("repair", ()), info.data.get("accept", ()))
+
+    @property
+    def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
+        """Those of the record: nothing is drawn."""
+        return "fixed"
+
+    @property
+    def words(self) -> str:
+        """The record in words."""
+        return f"a record of {self.file.length:g} s of {self._size_in_words}"
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad], averaged over bands of `SMOOTHED`."""
+        width = SMOOTHED * self.omega
+        return self.variances(omega - width / 2, omega + width / 2) / width
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2].
+
+        Each harmonic stands for the band of frequencies nearest to it, and is cut with it.
+        """
+        edges = 2 * math.pi / self.file.length * (np.arange(len(self.file.omega) + 1) + 0.5)
+        below = np.concatenate([[0.0], np.cumsum(self.file.variances)])
+        return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return frequencies [rad/s] and variances [m^2] of its harmonics."""
+        return self.file.omega, self.file.variances
+
+    def realisation(self, omega_max: float = math.inf, duration: float = 0.0) -> Sea:
+        """Return the harmonics up to a frequency [rad/s]; with all of them the elevation is the record."""
+        kept = self.file.omega <= omega_max + 1e-9
+        return Sea(self.file.omega[kept], self.file.phasors[kept])

@@ -1,29 +1,29 @@
-"""Spectra of seas in text files: density over frequency, and perhaps over direction.
-
-Imports nothing heavy unless there is one: the Snakefile reads a study at every parse.
-"""
+"""Spectra of seas in text files: density over frequency, and perhaps over direction."""
 
 import math
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import Field, field_validator, model_validator
 
-from vsb.engine.waves.records import TAIL, check_possible
+from vsb.engine.waves.records import check_possible
+from vsb.engine.waves.seas import BANDS, TAIL, SeaFile, SeaOfFile, SpectralSea
 from vsb.errors import ConfigError
-from vsb.keys.quantities import Brief, Finite, NonNegative, Positive, content_id
+from vsb.keys.meanings import Key
+from vsb.keys.quantities import Finite, NonNegative, Positive
 from vsb.tools import units
+from vsb.tools.arrays import FloatArray
 from vsb.tools.columns import Columns, read_columns
 from vsb.tools.units import Frequency, number
 from vsb.tools.words import shortened
 
-if TYPE_CHECKING:
-    from vsb.tools.arrays import FloatArray
-
 MOST, MOST_DIRECTIONS = 10_000, 72
 """Frequencies and directions of a spectrum."""
+PARTS = 36
+"""Parts of equal energy that the directions at a frequency are drawn from in turn."""
 UNEVEN = 1e-3
 """Largest deviation of directions from equal steps, in steps."""
 NEEDED = "two columns, frequency [Hz] and density [m^2/Hz], or a table over frequency and direction"
@@ -47,13 +47,19 @@ ENDS = 0.1
 """Density at the last frequency, relative to the largest, from which a spectrum seems to go on."""
 
 
-class SpectrumTable(Brief):
+class SpectrumTable(SeaFile):
     """Density [m^2/Hz] at frequencies [Hz], linear between them and none beyond, and its shares by direction.
 
     Directions [degrees] are those the waves go to, from the x axis; of each frequency the shares of them sum to one.
     """
 
-    BRIEF = ("notes",)
+    KEYS: ClassVar = {
+        "frequency": Key("Hz", "[0.1, 0.15, 0.3]", "frequencies, ascending"),
+        "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
+        "directions": Key("degrees", "[0.0, 30.0]", "directions the waves travel to, from the x axis"),
+        "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "shares of each frequency's energy, by direction"),
+        "notes": Key("", "['columns left out: phase']", "what its file holds beside, and how it was read"),
+    }
     frequency: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=MOST)]
     variance_density: tuple[NonNegative, ...]
     directions: Annotated[tuple[Finite, ...], Field(max_length=MOST_DIRECTIONS)] = ()
@@ -78,24 +84,18 @@ class SpectrumTable(Brief):
         return self
 
     @cached_property
-    def omega(self) -> "FloatArray":
+    def omega(self) -> FloatArray:
         """Angular frequencies (frequency,) [rad/s]."""
-        import numpy as np
-
         return 2 * np.pi * np.asarray(self.frequency)
 
-    def at(self, omega: "FloatArray") -> "FloatArray":
+    def at(self, omega: FloatArray) -> FloatArray:
         """Return the density at some frequencies, of the shape of omega [m^2 s/rad]."""
-        import numpy as np
-
         return np.asarray(
             np.interp(omega, self.omega, np.asarray(self.variance_density) / (2 * np.pi), left=0.0, right=0.0)
         )
 
-    def variance_below(self, omega: "FloatArray") -> "FloatArray":
+    def variance_below(self, omega: FloatArray) -> FloatArray:
         """Return the variance below some frequencies [rad/s], the exact integral, of the shape of omega [m^2]."""
-        import numpy as np
-
         known, density = self.omega, self.at(self.omega)
         below = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(known))])
         to = np.clip(omega, known[0], known[-1])
@@ -121,8 +121,6 @@ class SpectrumTable(Brief):
     @property
     def energy_frequency(self) -> float:
         """Frequency of the energy period m_-1/m_0 [rad/s]: of a + b omega the integral of S/omega is exact."""
-        import numpy as np
-
         omega, density = self.omega, self.at(self.omega)
         slope = np.diff(density) / np.diff(omega)
         inverse = (density[:-1] - slope * omega[:-1]) * np.log(omega[1:] / omega[:-1]) + np.diff(density)
@@ -131,8 +129,6 @@ class SpectrumTable(Brief):
     @property
     def lowest(self) -> float:
         """Frequency below which lies less than `TAIL` of the variance [rad/s]."""
-        import numpy as np
-
         fine = np.linspace(self.omega[0], self.omega[-1], 4001)
         below = self.variance_below(fine)
         return float(fine[np.searchsorted(below, TAIL * self.variance, side="right") - 1])
@@ -140,32 +136,21 @@ class SpectrumTable(Brief):
     @property
     def fastest(self) -> float:
         """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
-        import numpy as np
-
         fine = np.linspace(self.omega[0], self.omega[-1], 4001)
         density = self.at(fine)
         return float(fine[density > 0.05**2 * max(density)][-1])
 
     def share_outside(self, low: float, high: float) -> float:
         """Return the share of the variance outside a band [rad/s]."""
-        import numpy as np
-
         first, last = self.variance_below(np.array([low, high]))
         return 1 - float(last - first) / self.variance
 
-    def direction_at(self, omega: "FloatArray", share: "FloatArray") -> "FloatArray":
+    def direction_at(self, omega: FloatArray, share: FloatArray) -> FloatArray:
         """Return the directions below which a share of the energy at each frequency lies, shape (omega,) [degrees]."""
-        import numpy as np
-
         energy = np.asarray(self.variance_density)[:, None] * np.asarray(self.shares)
         below = np.cumsum([np.interp(omega, self.omega, one) for one in energy.T], axis=0)  # (direction, omega)
         directions: FloatArray = np.asarray(self.directions)[np.argmax(below >= share * below[-1], axis=0)]
         return directions
-
-    @cached_property
-    def digest(self) -> str:
-        """Eight hexadecimal digits that name the spectrum by what it holds."""
-        return content_id(self.model_dump(exclude={"notes"}))[:8]
 
 
 def read_spectrum(path: Path, where: str) -> dict[str, Any]:
@@ -308,3 +293,73 @@ def _by_direction(path: Path, table: Columns, density: list[list[float]]) -> dic
         "directions": [directions[i] for i in order],
         "shares": [[row[i] / one for i in order] if one else even for row, one in zip(density, total, strict=True)],
     }
+
+
+class TabulatedSea(SeaOfFile, SpectralSea):
+    """A sea of a spectrum in a file, over frequency or over frequency and direction; random seed."""
+
+    KEYS: ClassVar = {
+        "kind": Key("", "spectrum", "a sea with the spectrum of a file"),
+        "file": Key(
+            "",
+            "spectrum.csv",
+            "file of two columns, frequency and density, in Hz and m^2/Hz or as their header says, or of a table over "
+            "frequency and direction",
+        ),
+    }
+    kind: Literal["spectrum"]
+    file: SpectrumTable
+
+    @field_validator("file", mode="before", json_schema_input_type=str | SpectrumTable)
+    @classmethod
+    def _read(cls, value: Any) -> Any:
+        """A path stands for the file there."""
+        return read_spectrum(Path(value), "file") if isinstance(value, str | Path) else value
+
+    @model_validator(mode="after")
+    def _spread_once(self) -> Self:
+        if self.spreading and self.file.directions:
+            raise ValueError("spreading: the file holds directions of its own; remove it")
+        return self
+
+    @property
+    def spreads(self) -> bool:
+        """Whether its waves go to several directions."""
+        return bool(self.spreading or self.file.directions)
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions its waves go to [degrees]: those of the file, turned by `direction`."""
+        if not self.file.directions:
+            return super().directions
+        return tuple(dict.fromkeys(round(self.direction + one, 6) for one in self.file.directions))
+
+    @property
+    def words(self) -> str:
+        """The spectrum in words."""
+        directional = "directional " if self.file.directions else ""
+        return f"a {directional}spectrum of {self._size_in_words}"
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad], linear between frequencies of the file."""
+        return self.file.at(omega)
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
+        return self.file.variance_below(high) - self.file.variance_below(low)
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
+        edges = np.linspace(self.file.omega[0], self.file.omega[-1], BANDS + 1)
+        return (edges[1:] + edges[:-1]) / 2, self.variances(edges[:-1], edges[1:])
+
+    @property
+    def parts_around(self) -> int:
+        """Parts of equal energy that the directions of the sea are drawn from in turn."""
+        return super().parts_around if self.spreading else PARTS
+
+    def angles_at(self, omega: FloatArray, part: FloatArray, random: np.random.Generator) -> FloatArray:
+        """Return the angles of parts at frequencies: of the energy of the file there, unless the sea is spread."""
+        if self.spreading:
+            return super().angles_at(omega, part, random)
+        return self.file.direction_at(omega, (part + random.uniform(size=len(omega))) / PARTS)

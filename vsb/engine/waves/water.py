@@ -1,11 +1,12 @@
 """The sea without its waves, and how waves run in it: dispersion relation, group and orbital velocities."""
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator
 
+from vsb.keys.meanings import Key
 from vsb.keys.quantities import Number, Positive, Section, within
 from vsb.tools.arrays import ComplexArray, FloatArray
 
@@ -16,6 +17,11 @@ DEEPEST = 2e4
 class Water(Section):
     """Density [kg/m^3], depth [m] (`.inf` for deep water), gravity [m/s^2]."""
 
+    KEYS: ClassVar = {
+        "density": Key("kg/m^3", "1025.0", "density of the water"),
+        "depth": Key("m", "50.0", "depth of the sea; .inf is deep water"),
+        "gravity": Key("m/s^2", "9.81", "acceleration of gravity"),
+    }
     density: Annotated[Positive, within(1.0, 2e4, "kg/m^3", "mercury has 13 534 kg/m^3")] = 1025.0
     depth: Annotated[Number, Field(gt=0)] = math.inf
     gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "the sun has 274 m/s^2")] = 9.81

@@ -89,7 +89,7 @@ function peak(value, from, to) {
   return (a + b) / 2;
 }
 
-/** Squared amplitudes of the components of a JONSWAP sea [m^2] (vsb.engine.waves.seas.components). */
+/** Squared amplitudes of the components of a JONSWAP sea [m^2] (vsb.engine.waves.seas.IrregularSea.components). */
 function jonswapSquares({ hs, gamma, integral, width }, omega, tp) {
   const top = (2 * Math.PI) / tp;
   const inside = Math.ceil(width / (0.02 * top));
