@@ -4,67 +4,83 @@ import difflib
 import re
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import yaml
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
-from vsb.keys.schema import Schema, changed, dotted, keys_at, needed, other_units, schema_of, unit_of, with_units_read
+from vsb.keys.schema import Located, Schema, changed, dotted, in_si, keys_at, needed, other_units, schema_of, unit_of
 from vsb.tools.files import LARGEST_STUDY, read_bounded
 from vsb.tools.words import LONGEST, shortened
 
 
-class YamlMistake(NamedTuple):
-    """A line of a file, from 1, none where it is not known, and what is wrong there."""
-
-    line: int | None
-    words: str
-
-
-_LOOKS_CLOSED = {"[": "]", "{": "}"}
-
-
-def yaml_mistake(error: Exception, text: str) -> YamlMistake:
-    """Return what an error of PyYAML means in a text.
+def yaml_mistake(error: Exception, text: str) -> tuple[int | None, str]:
+    """Return the line, from 1, that an error of PyYAML means, none where it is not known, and what is wrong there.
 
     PyYAML names the place where it could not go on. What is wrong is often a line or two above: a bracket or a
     quotation mark that is still open, a key without its colon.
     """
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
-        return YamlMistake(line, f"a character of number {error.character!r} is no text; remove it")
+        return line, f"a character of number {error.character!r} is no text; remove it"
     if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
-        return YamlMistake(None, " ".join(str(error).split()))
-    place = _Place(error, error.problem_mark, text.splitlines())
-    for meaning in (_tab, _bracket, _quotation, _first_character, _document, _colon, _indentation):
-        if found := meaning(place):
-            return found
+        return None, " ".join(str(error).split())
+    problem, context, lines = error.problem or "", error.context or "", text.splitlines()
+    stopped, begun = error.problem_mark, error.context_mark or error.problem_mark
+    line, first, before = stopped.line + 1, begun.line + 1, f"before column {stopped.column + 1}"
+    opened = lines[begun.line][begun.column : begun.column + 1] if begun.line < len(lines) else ""
+    if "'\\t'" in problem:
+        return line, f"a tab stands in column {stopped.column + 1}; write spaces there"
+    if found := re.fullmatch(r"expected <block end>, but found '([\]}])'", problem):
+        return line, f"the bracket {found[1]} closes none that is open"
+    if context.startswith("while parsing a flow"):
+        got = problem.partition("got ")[2].strip("'")
+        if context.endswith("node"):
+            return line, f"a value is missing {before}"
+        if got in ("]", "}"):
+            return line, f"the bracket {opened} of line {first} is closed by {got}"
+        if line == first and got != "<stream end>":
+            return line, f"a comma is missing between two values, {before}"
+        return first, f"the bracket {opened} in column {begun.column + 1} is not closed"
+    if "quoted scalar" in context:
+        if "escape" in problem:
+            return line, "a backslash in double quotation marks begins an escape; write single ones"
+        return first, f"the quotation mark {opened} in column {begun.column + 1} is not closed"
+    found = re.fullmatch(r"found character '(.)' that cannot start any token", problem)
+    if found or re.fullmatch("while scanning an (alias|anchor)", context):
+        return line, f"a text cannot begin with {found[1] if found else opened}; put it in quotation marks"
+    if "another document" in problem:
+        return line, "--- begins a second document; needs one in a file"
+    if "could not find expected ':'" in problem:
+        return first, _without_colon(lines[begun.line] if begun.line < len(lines) else "")
+    if found_in_lines := _misplaced(problem, stopped, lines):
+        return found_in_lines
     said = [(error.problem, error.problem_mark), (error.context, error.context_mark)]
     words = [f"{part}, line {mark.line + 1}, column {mark.column + 1}" for part, mark in said if part and mark]
-    return YamlMistake(error.problem_mark.line + 1, " ".join(", ".join(words).split()))
+    return line, " ".join(", ".join(words).split())
 
 
-class _Place:
-    """Where PyYAML could not go on, and why; lines and columns from 0, as its own."""
-
-    def __init__(self, error: yaml.MarkedYAMLError, mark: yaml.Mark, lines: list[str]) -> None:
-        self.problem, self.context = error.problem or "", error.context or ""
-        self.line, self.column = mark.line, mark.column
-        self.begun = error.context_mark.line if error.context_mark else mark.line
-        self.begun_at = error.context_mark.column if error.context_mark else 0
-        self.lines = lines
-
-    def text(self, line: int) -> str:
-        """A line; empty beyond the end."""
-        return self.lines[line] if 0 <= line < len(self.lines) else ""
-
-    @property
-    def before(self) -> int:
-        """The last line above that says something."""
-        said = (i for i in range(min(self.line, len(self.lines)) - 1, -1, -1) if _said(self.lines[i]))
-        return next(said, self.line)
+def _misplaced(problem: str, stopped: yaml.Mark, lines: list[str]) -> tuple[int, str] | None:
+    """A second colon in a line, a key without colon, keys or items that do not begin in one column."""
+    here = lines[stopped.line] if stopped.line < len(lines) else ""
+    above = next((i for i in range(min(stopped.line, len(lines)) - 1, -1, -1) if _said(lines[i])), stopped.line)
+    line_above = lines[above] if above < len(lines) else ""
+    two = "mapping values are not allowed" in problem
+    if two and re.search(r":\s", here[: stopped.column]):
+        words = "two colons in one line: put a text with a colon in quotation marks, a section in lines below"
+        return stopped.line + 1, words
+    if (two or "<block mapping start>" in problem) and not re.search(r":(\s|$)", _said(line_above)):
+        return above + 1, _without_colon(_said(line_above))
+    if not (two or any(f in problem for f in ("<block mapping start>", "<block sequence start>", "but found '-'"))):
+        return None
+    blanks, others = (len(one) - len(one.lstrip()) for one in (here, line_above))
+    if blanks == others:
+        return stopped.line + 1, "a list item, with a dash, stands among keys; needs one or the other"
+    indented = f"indented by {blanks} space{'s' * (blanks != 1)}, the line above by {others}"
+    words = f"{indented}; keys of one section begin in one column, and so do the items of a list"
+    return stopped.line + 1, words
 
 
 def _said(line: str) -> str:
@@ -72,96 +88,11 @@ def _said(line: str) -> str:
     return re.sub(r"(^|\s)#.*", "", line).strip()
 
 
-def _indent(line: str) -> int:
-    """Blanks a line begins with."""
-    return len(line) - len(line.lstrip())
-
-
-def _tab(at: _Place) -> YamlMistake | None:
-    """A tab where only spaces may stand."""
-    if "'\\t'" not in at.problem:
-        return None
-    return YamlMistake(at.line + 1, f"a tab stands in column {at.column + 1}; write spaces there")
-
-
-def _bracket(at: _Place) -> YamlMistake | None:
-    """A bracket that is not closed, closed by another, or closes none; commas missing or too many between brackets."""
-    if found := re.fullmatch(r"expected <block end>, but found '([\]}])'", at.problem):
-        return YamlMistake(at.line + 1, f"the bracket {found[1]} closes none that is open")
-    if not at.context.startswith("while parsing a flow"):
-        return None
-    got = at.problem.partition("got ")[2].strip("'")
-    if at.context.endswith("node"):
-        return YamlMistake(at.line + 1, f"a value is missing before column {at.column + 1}")
-    opened = at.text(at.begun)[at.begun_at : at.begun_at + 1]
-    if got in _LOOKS_CLOSED.values():
-        return YamlMistake(at.line + 1, f"the bracket {opened} of line {at.begun + 1} is closed by {got}")
-    if at.line == at.begun and got != "<stream end>":
-        return YamlMistake(at.line + 1, f"a comma is missing between two values, before column {at.column + 1}")
-    return YamlMistake(at.begun + 1, f"the bracket {opened} in column {at.begun_at + 1} is not closed")
-
-
-def _quotation(at: _Place) -> YamlMistake | None:
-    """A quotation mark that is not closed, or a backslash between two."""
-    if "quoted scalar" not in at.context:
-        return None
-    if "escape" in at.problem:
-        return YamlMistake(at.line + 1, "a backslash in double quotation marks begins an escape; write single ones")
-    mark = at.text(at.begun)[at.begun_at : at.begun_at + 1]
-    return YamlMistake(at.begun + 1, f"the quotation mark {mark} in column {at.begun_at + 1} is not closed")
-
-
-def _first_character(at: _Place) -> YamlMistake | None:
-    """A text that begins with a character which means something else to YAML."""
-    found = re.fullmatch(r"found character '(.)' that cannot start any token", at.problem)
-    if not found and not re.fullmatch("while scanning an (alias|anchor)", at.context):
-        return None
-    character = found[1] if found else at.text(at.begun)[at.begun_at : at.begun_at + 1]
-    return YamlMistake(at.line + 1, f"a text cannot begin with {character}; put it in quotation marks")
-
-
-def _document(at: _Place) -> YamlMistake | None:
-    """A second document."""
-    if "another document" not in at.problem:
-        return None
-    return YamlMistake(at.line + 1, "--- begins a second document; needs one in a file")
-
-
-def _colon(at: _Place) -> YamlMistake | None:
-    """A key without colon, or without a space behind it; a second colon in a line."""
-    if "could not find expected ':'" in at.problem:
-        return YamlMistake(at.begun + 1, _without_colon(at.text(at.begun)))
-    two = "mapping values are not allowed" in at.problem
-    if two and re.search(r":\s", at.text(at.line)[: at.column]):
-        return YamlMistake(
-            at.line + 1, "two colons in one line: put a text with a colon in quotation marks, a section in lines below"
-        )
-    above = _said(at.text(at.before))
-    if (two or "<block mapping start>" in at.problem) and not re.search(r":(\s|$)", above):
-        return YamlMistake(at.before + 1, _without_colon(above))
-    return None
-
-
 def _without_colon(line: str) -> str:
     """What a line lacks that should be a key and its value."""
     word = re.split(r"[\s:=]", _said(line), maxsplit=1)[0]
     lacks = "a space is missing behind the colon" if ":" in line else "a colon is missing behind the key"
     return f"{lacks}; write {word}: and its value"
-
-
-def _indentation(at: _Place) -> YamlMistake | None:
-    """Keys of one section, or items of one list, that do not begin in one column."""
-    starts = ("<block mapping start>", "<block sequence start>", "but found '-'", "mapping values are not allowed")
-    if not any(start in at.problem for start in starts):
-        return None
-    here, above = _indent(at.text(at.line)), _indent(at.text(at.before))
-    if here == above:
-        return YamlMistake(at.line + 1, "a list item, with a dash, stands among keys; needs one or the other")
-    return YamlMistake(
-        at.line + 1,
-        f"indented by {here} space{'s' * (here != 1)}, the line above by {above}; keys of one section begin in one "
-        "column, and so do the items of a list",
-    )
 
 
 SAME = {
@@ -279,34 +210,6 @@ MOST_NODES = 100_000
 """Values of a file with its aliases written out; a few lines of aliases within aliases stand for any number."""
 
 
-class Located(dict[str, Any]):
-    """The mapping a YAML file holds, which knows the lines its parts stand in."""
-
-    def __init__(self, data: dict[str, Any], node: yaml.MappingNode) -> None:
-        super().__init__(data)
-        self.node = node
-
-    def line(self, place: Place) -> int | None:
-        """Return the line, from 1, of the innermost part of a place there is; None of one outside."""
-        node: yaml.Node = self.node
-        found = None
-        for part in place:
-            below = _below(node, part)
-            if below is not None:
-                key, node = below
-                found = key.start_mark.line + 1
-        return found
-
-
-def _below(node: yaml.Node, part: str | int) -> tuple[yaml.Node, yaml.Node] | None:
-    """The nodes of a key, or an item, and of its value."""
-    if isinstance(node, yaml.MappingNode):
-        return next((pair for pair in node.value if pair[0].value == part), None)
-    if isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
-        return node.value[part], node.value[part]
-    return None
-
-
 def read_yaml(path: str | Path, wanted: str) -> object:
     """Return what a YAML file holds; a mapping at its top knows the lines of the file.
 
@@ -330,9 +233,9 @@ def read_yaml(path: str | Path, wanted: str) -> object:
     except RecursionError:
         raise ConfigError(f"{path}: not valid YAML (nested too deeply); give {wanted}") from None
     except (yaml.YAMLError, TypeError, ValueError) as error:
-        mistake = yaml_mistake(error, text)
-        place = "" if mistake.line is None else f":{mistake.line}"
-        raise ConfigError(f"{path}{place}: not valid YAML ({mistake.words})") from None
+        line, words = yaml_mistake(error, text)
+        place = "" if line is None else f":{line}"
+        raise ConfigError(f"{path}{place}: not valid YAML ({words})") from None
 
 
 def _loaded(text: str) -> object:
@@ -382,17 +285,6 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         rest = len(found) - len(lines)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
         raise ConfigError(lines[0] + _more(found), [*lines, *last]) from None
-
-
-def in_si(model: type[BaseModel], raw: dict[str, Any]) -> dict[str, Any]:
-    """Return nested mappings with the numbers a file writes with a unit as those of its keys' units, 15 mm as 0.015."""
-    found: dict[str, Any] = with_units_read(raw, model, _rebuilt)
-    return found
-
-
-def _rebuilt(old: Any, values: dict[Any, Any]) -> dict[Any, Any]:
-    """A mapping of other values that knows the lines of the one it replaces."""
-    return Located(values, old.node) if isinstance(old, Located) else values
 
 
 def one_line(error: ValidationError, raw: object) -> str:
@@ -462,7 +354,7 @@ def _guess(error: ErrorDetails, raw: dict[str, Any], model: type[BaseModel]) -> 
         return ""
     for text, value in other_units(model, raw, place):
         try:
-            model.model_validate(changed(raw, {place: value}, _rebuilt))
+            model.model_validate(changed(raw, {place: value}))
         except ValidationError as left:
             if any(tuple(_place_of(one, raw))[: len(place)] == place for one in _ordered(left)):
                 continue

@@ -1,7 +1,7 @@
 """Schemas of the files: which keys stand where, with types, ranges and meanings; for editors, messages and docs."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -136,8 +136,29 @@ def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iter
 
 Place = tuple[str | int, ...]
 """Keys and indices from the top of a file to something in it."""
-Rebuilt = Callable[[Any, dict[Any, Any]], Any]
-"""Makes a mapping of changed values from the one it replaces and those values."""
+
+
+class Located(dict[str, Any]):
+    """The mapping a YAML file holds, which knows the lines its parts stand in."""
+
+    def __init__(self, data: dict[str, Any], node: yaml.MappingNode) -> None:
+        super().__init__(data)
+        self.node = node
+
+    def line(self, place: Sequence[str | int]) -> int | None:
+        """Return the line, from 1, of the innermost part of a place there is; None of one outside."""
+        node: yaml.Node = self.node
+        found = None
+        for part in place:
+            below: tuple[yaml.Node, yaml.Node] | None = None
+            if isinstance(node, yaml.MappingNode):
+                below = next((pair for pair in node.value if pair[0].value == part), None)
+            elif isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
+                below = node.value[part], node.value[part]
+            if below is not None:
+                key, node = below
+                found = key.start_mark.line + 1
+        return found
 
 
 class KeyUnit(NamedTuple):
@@ -148,17 +169,11 @@ class KeyUnit(NamedTuple):
     key: str = ""
 
 
-def with_units_read(raw: Any, model: type[BaseModel], rebuilt: Rebuilt) -> Any:
-    """Return nested mappings with every quantity a key's unit can measure as a number; the same object without any.
+def in_si(model: type[BaseModel], raw: Any) -> Any:
+    """Return nested mappings with every quantity a key's unit can measure as a number, 15 mm as 0.015.
 
-    What cannot be read stays a text, for the checks of its key to refuse; `needed` says why.
-
-    Parameters
-    ----------
-    model : type
-        What the mappings are of.
-    rebuilt : callable
-        See `Rebuilt`.
+    The same object without any. What cannot be read stays a text, for the checks of its key to refuse; `needed` says
+    why.
     """
     changes: dict[Place, float] = {}
     for place, text in _texts(raw):
@@ -167,7 +182,7 @@ def with_units_read(raw: Any, model: type[BaseModel], rebuilt: Rebuilt) -> Any:
                 changes[place] = value_in(text, unit.unit)
             except ValueError:
                 continue
-    return changed(raw, changes, rebuilt) if changes else raw
+    return changed(raw, changes) if changes else raw
 
 
 def _texts(raw: Any, place: Place = ()) -> list[tuple[Place, str]]:
@@ -183,14 +198,15 @@ def _texts(raw: Any, place: Place = ()) -> list[tuple[Place, str]]:
     return [one for part, value in inner if not isinstance(value, float) for one in _texts(value, (*place, part))]
 
 
-def changed(raw: Any, changes: Mapping[Place, float], rebuilt: Rebuilt, place: Place = ()) -> Any:
+def changed(raw: Any, changes: Mapping[Place, float], place: Place = ()) -> Any:
     """Return nested mappings and lists with other values at some places."""
     if place in changes:
         return changes[place]
     if isinstance(raw, Mapping):
-        return rebuilt(raw, {key: changed(value, changes, rebuilt, (*place, key)) for key, value in raw.items()})
+        values = {key: changed(value, changes, (*place, key)) for key, value in raw.items()}
+        return Located(values, raw.node) if isinstance(raw, Located) else values
     if isinstance(raw, list | tuple):
-        return [changed(value, changes, rebuilt, (*place, i)) for i, value in enumerate(raw)]
+        return [changed(value, changes, (*place, i)) for i, value in enumerate(raw)]
     return raw
 
 

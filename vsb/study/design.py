@@ -17,8 +17,8 @@ from vsb.engine.shell.device import Device
 from vsb.errors import ConfigError
 from vsb.keys.meanings import KEYS, Key
 from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section, at_key
-from vsb.keys.reading import Located, nearest, read_yaml, validated
-from vsb.keys.schema import range_at, schema_of
+from vsb.keys.reading import nearest, read_yaml, validated
+from vsb.keys.schema import Located, range_at, schema_of
 from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, sizes_hull, study_at
 from vsb.study.feasible import Ranges, Unmet
 from vsb.study.study import Study, not_reserved

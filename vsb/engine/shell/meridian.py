@@ -1,7 +1,5 @@
 """The closed meridian of a shell at rest: what it may be, its volume, area and curvature.
 
-Imports nothing heavy unless there is one: the Snakefile reads a study at every parse.
-
 With phi from 0 at the top to pi at the keel, the radius x is odd and the height z even about both poles; a smooth
 meridian is therefore
 
@@ -41,9 +39,7 @@ ON_AXIS = 1e-9
 @lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[tuple[float, float], ...]:
     """Nodes and weights of Gauss-Legendre quadrature on [0, 1]."""
-    from numpy.polynomial.legendre import leggauss
-
-    nodes, weights = leggauss(count)
+    nodes, weights = gauss_rule(count)
     return tuple(zip(((1 + nodes) / 2).tolist(), (weights / 2).tolist(), strict=True))
 
 
@@ -56,7 +52,12 @@ class ClosedMeridian:
             return
         if not all(map(math.isfinite, self._numbers)):
             raise ValueError("received NaN or infinite numbers; needs finite ones")
-        _check_clear_of_axis(self)
+        _, x, z = min(self._samples[1:-1], key=lambda at: at[1])
+        if x <= 0 or self.at(0.0)[2] <= 0 or self.at(math.pi)[2] >= 0:
+            raise ValueError(
+                f"received a meridian that crosses the axis near ({x:.4g}, {z:.4g}) m; needs one clear of it between "
+                "its poles"
+            )
         if (crossing := _crossing(self._samples)) is not None:
             raise ValueError(
                 f"received a meridian that crosses itself near ({crossing[0]:.4g}, {crossing[1]:.4g}) m; needs one "
@@ -355,16 +356,6 @@ def _curvatures(x: float, _: float, dx: float, dz: float, ddx: float, ddz: float
     return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
 
 
-def _check_clear_of_axis(meridian: ClosedMeridian) -> None:
-    """Raise `ValueError` if a meridian meets the axis between its poles, or leaves them inwards."""
-    _, x, z = min(meridian._samples[1:-1], key=lambda at: at[1])
-    if x <= 0 or meridian.at(0.0)[2] <= 0 or meridian.at(math.pi)[2] >= 0:
-        raise ValueError(
-            f"received a meridian that crosses the axis near ({x:.4g}, {z:.4g}) m; needs one clear of it between its "
-            "poles"
-        )
-
-
 def _crossing(samples: Sequence[tuple[float, float, float]]) -> tuple[float, float] | None:
     """A point where an open polygon, each point an angle, x and z, crosses itself, if there is one."""
     heights = [z for _, _, z in samples]
@@ -423,8 +414,6 @@ def series(radial: tuple[float, ...], axial: tuple[float, ...], radius: float) -
 
 def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
     """Terms k = 1, 2, ... in cos k phi of one function and sin k phi of another, by their values at the midpoints."""
-    import numpy as np
-
     count, k = len(even), np.arange(1, MOST_TERMS + 1)
     at = np.outer(k, np.pi * (np.arange(count) + 0.5) / count)
     cosines, sines = 2 / count * np.cos(at) @ even, 2 / count * np.sin(at) @ odd
@@ -457,11 +446,13 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
 @lru_cache(maxsize=32)
 def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
     """The same of radius one, which serves all sizes."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
     _check_points(points)
     largest, at = max(x for x, _ in points), _chords(points)
-    across, along = (_spline(at, [p[i] for p in points], natural=i == 0) for i in (0, 1))
-    angles = _midpoints(8 * MOST_TERMS)
-    found = _of_series([across(phi) for phi in angles], [along(phi) for phi in angles], largest)
+    (x, z), angles = np.array(points).T, _midpoints(8 * MOST_TERMS)
+    across, along = (CubicSpline(at, one, bc_type=ends)(angles) for one, ends in ((x, "natural"), (z, "clamped")))
+    found = _of_series(across.tolist(), along.tolist(), largest)
     for phi, (px, pz) in zip(at, points, strict=True):
         there = found.at(phi)
         if math.hypot(there[0] - px, there[1] - pz) > MISFIT * largest:
@@ -504,7 +495,6 @@ def also_through(points: tuple[tuple[float, float], ...], radius: float) -> Rest
     Akima's curve in place of the spline, with slopes of the neighbouring chords alone (SciPy's modified Akima
     interpolation), points mirrored in the axis at the poles.
     """
-    import numpy as np
     from scipy.interpolate import Akima1DInterpolator
 
     at, (x, z) = np.array(_chords(points)), np.array(points).T
@@ -536,34 +526,6 @@ def _check_points(points: Sequence[tuple[float, float]]) -> None:
         raise ValueError(f"received a point at radius {inside:.4g} between the poles; needs radii above 0 there")
     if any(a == b for a, b in itertools.pairwise(points)):
         raise ValueError("received the same point twice in a row; needs each once")
-
-
-def _spline(at: Sequence[float], values: Sequence[float], natural: bool) -> Callable[[float], float]:
-    """A cubic spline without curvature at both ends, or without slope there."""
-    count, steps = len(at), [b - a for a, b in itertools.pairwise(at)]
-    rises = [(b - a) / h for a, b, h in zip(values[:-1], values[1:], steps, strict=True)]
-    below = [0.0, *steps[:-1], 0.0 if natural else steps[-1]]
-    above = [0.0 if natural else steps[0], *steps[1:], 0.0]
-    middle = [1.0 if natural else 2 * steps[0], *(2 * (a + b) for a, b in itertools.pairwise(steps))]
-    middle.append(1.0 if natural else 2 * steps[-1])
-    ends = (0.0, 0.0) if natural else (6 * rises[0], -6 * rises[-1])
-    right = [ends[0], *(6 * (b - a) for a, b in itertools.pairwise(rises)), ends[1]]
-    for i in range(1, count):  # Thomas' algorithm
-        share = below[i] / middle[i - 1]
-        middle[i] -= share * above[i - 1]
-        right[i] -= share * right[i - 1]
-    curvature = [0.0] * count
-    for i in reversed(range(count)):
-        following = above[i] * curvature[i + 1] if i + 1 < count else 0.0
-        curvature[i] = (right[i] - following) / middle[i]
-
-    def value(t: float) -> float:
-        i = min(max(sum(1 for a in at[1:-1] if a <= t), 0), count - 2)
-        h, a, b = steps[i], at[i + 1] - t, t - at[i]
-        linear = (values[i] / h - curvature[i] * h / 6) * a + (values[i + 1] / h - curvature[i + 1] * h / 6) * b
-        return linear + (curvature[i] * a**3 + curvature[i + 1] * b**3) / (6 * h)
-
-    return value
 
 
 class Curve(NamedTuple):

@@ -25,7 +25,7 @@ from vsb.engine.waves.spectrum_table import TabulatedSea, read_spectrum
 from vsb.engine.waves.water import wavenumbers
 from vsb.keys.meanings import Key
 from vsb.keys.quantities import Number, Positive, Section, within
-from vsb.keys.reading import Located
+from vsb.keys.schema import Located
 from vsb.tools.arrays import FloatArray
 
 
