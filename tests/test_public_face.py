@@ -16,7 +16,7 @@ from conftest import HERE
 import vsb
 from vsb.cli import main
 from vsb.engine.waves.kinds import jonswap_spectrum
-from vsb.engine.waves.scatter import energy_over_peak_period
+from vsb.engine.waves.scatter import energy_period_over
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import save
 
@@ -182,7 +182,7 @@ def test_power_matrix_is_the_mean_over_the_spectrum_of_each_sea(results, tmp_pat
         one = found.sel(design=design, te=period)
         assert float(one.power_matrix[1] / one.power_matrix[0]) == pytest.approx(2.5**2, rel=1e-12)
         assert float(one.damping[1]) == pytest.approx(float(one.damping[0]), rel=1e-12)
-        density = jonswap_spectrum(omega, 1.0, period / energy_over_peak_period(3.3), 3.3)
+        density = jonswap_spectrum(omega, 1.0, period / energy_period_over("tp", 3.3), 3.3)
         power = results.port(design, omega).power(float(one.damping[0]))
         assert float(one.power_matrix[0]) == pytest.approx(np.trapezoid(2 * density * power, omega), rel=5e-3)
     with pytest.raises(ConfigError, match=r"te: received 0\.5 s, seas of which more than 1%"):

@@ -13,7 +13,6 @@ from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.measured_spectra import read_spectra
 from vsb.engine.waves.scatter import (
     climate_of_cells,
-    energy_over_peak_period,
     energy_period_over,
     jonswap_bands,
     read_scatter,
@@ -157,10 +156,10 @@ def test_bin_is_given_by_its_centre_or_its_ends(written, text):
 
 def test_energy_period_over_others():
     """Pierson-Moskowitz in closed form, Gamma(5/4) 1.25^(-1/4), Tz = Tp (1.25 pi)^(-1/4); JONSWAP by DNV-RP-C205's fits."""
-    assert energy_over_peak_period(1.0) == pytest.approx(gamma_function(1.25) * 1.25**-0.25, abs=1e-5)
-    assert energy_over_peak_period(3.3) == pytest.approx(7.5 / 8.3, abs=1e-3)
-    assert energy_period_over("tz", 1.0) / energy_over_peak_period(1.0) == pytest.approx(1 / 0.7104, rel=1e-3)
-    assert energy_period_over("tz", 3.3) / energy_over_peak_period(3.3) == pytest.approx(1 / 0.7775, rel=2e-3)
+    assert energy_period_over("tp", 1.0) == pytest.approx(gamma_function(1.25) * 1.25**-0.25, abs=1e-5)
+    assert energy_period_over("tp", 3.3) == pytest.approx(7.5 / 8.3, abs=1e-3)
+    assert energy_period_over("tz", 1.0) / energy_period_over("tp", 1.0) == pytest.approx(1 / 0.7104, rel=1e-3)
+    assert energy_period_over("tz", 3.3) / energy_period_over("tp", 3.3) == pytest.approx(1 / 0.7775, rel=2e-3)
 
 
 @pytest.mark.parametrize("gamma", [1.0, 3.3])
@@ -180,7 +179,7 @@ def test_bands_hold_the_variance_of_the_spectrum(gamma):
 def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma):
     """Heights and periods in no order: variance and peak of each spectrum."""
     climate = read_scatter(written(f"Hs;{kind};n\n3.0;11;5\n1.0;6;2\n2.0;8;3\n"), gamma=gamma)
-    ratio = energy_over_peak_period(gamma)
+    ratio = energy_period_over("tp", gamma)
     te = np.array([11.0, 6.0, 8.0]) * (ratio if kind == "tp" else 1.0)
     assert climate.hs.tolist() == [3.0, 1.0, 2.0]
     np.testing.assert_allclose(climate.te, te, rtol=1e-12)

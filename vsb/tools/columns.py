@@ -92,7 +92,8 @@ def read_columns(
     plain = [(n, line) for n, line in lines if not line.startswith(COMMENT)]
     delimiter = _delimiter([line for _, line in plain])
     split = [(n, _cells(line, delimiter)) for n, line in plain]
-    first = next((i for i, (_, cells) in enumerate(split) if _is_datum(cells[0])), len(split))
+    data = (i for i, (_, cells) in enumerate(split) if number(cells[0]) is not None or _DATE.fullmatch(cells[0]))
+    first = next(data, len(split))
     rows = _even(path, split[first:], needed)
     if not rows:
         return Columns((), (), "", [])
@@ -123,7 +124,7 @@ def _heads(
     units: tuple[int, list[str]] | None = None
     known = 0
     for n, line in before:
-        cells = _trimmed(_cells(line.lstrip("#%/ "), delimiter))
+        cells = trimmed(_cells(line.lstrip("#%/ "), delimiter))
         if len(cells) != width:
             continue
         pairs = [_stated(cell) for cell in cells]
@@ -143,17 +144,16 @@ def _heads(
 
 def dates(cells: Sequence[str]) -> list[datetime]:
     """Return cells as dates in universal time; none if they are no dates, or may be of two orders of day and month."""
+    zoned = [  # universal time where no zone is stated
+        cell if re.search(r"T.*(Z|[-+]\d\d:?\d\d)$", cell) else f"{cell}{'' if 'T' in cell else 'T00:00'}Z"
+        for cell in cells
+    ]
     try:
-        return [datetime.fromisoformat(cell).astimezone(UTC).replace(tzinfo=None) for cell in map(_zoned, cells)]
+        return [datetime.fromisoformat(cell).astimezone(UTC).replace(tzinfo=None) for cell in zoned]
     except ValueError:
         pass
     found = [days for order in _ORDERS if (days := _in_order(cells, order))]
     return found[0] if len(found) == 1 else []
-
-
-def _zoned(cell: str) -> str:
-    """An ISO date with its zone, universal time where none is stated."""
-    return cell if re.search(r"T.*(Z|[-+]\d\d:?\d\d)$", cell) else f"{cell}{'' if 'T' in cell else 'T00:00'}Z"
 
 
 def _in_order(cells: Sequence[str], order: str) -> list[datetime]:
@@ -176,15 +176,10 @@ def _delimiter(lines: Sequence[str]) -> str:
     data = [line for line in lines if line[0] in "+-.0123456789"]
     if not any("," in line for line in data or lines):
         return ""
-    decimal = bool(data) and all(
-        len(cells := line.split()) > 1 and "." not in line and all(_is_plain(cell) for cell in cells) for line in data
-    )
+    split = [line.split() for line in data if "." not in line]
+    commas = all(len(row) > 1 and all("," not in one or _DECIMAL_COMMA.fullmatch(one) for one in row) for row in split)
+    decimal = bool(data) and len(split) == len(data) and commas
     return "" if decimal else ","
-
-
-def _is_plain(cell: str) -> bool:
-    """Whether a cell has a decimal comma, or no comma."""
-    return "," not in cell or bool(_DECIMAL_COMMA.fullmatch(cell))
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -197,25 +192,20 @@ def _cells(line: str, delimiter: str) -> list[str]:
         return [cell.strip() for cell in line.split(delimiter)]
 
 
-def _trimmed(cells: list[str]) -> list[str]:
-    """Cells without empty ones at the end."""
+def trimmed(cells: list[str]) -> list[str]:
+    """Return cells without empty ones at the end, which a spreadsheet writes."""
     last = max((i for i, cell in enumerate(cells) if cell), default=-1)
     return cells[: last + 1]
-
-
-def _is_datum(cell: str) -> bool:
-    """Whether a cell is a number or a date."""
-    return number(cell) is not None or bool(_DATE.fullmatch(cell))
 
 
 def _even(path: Path, rows: list[tuple[int, list[str]]], needed: str) -> list[tuple[int, list[str]]]:
     """Rows of equal length, without columns at the end that are empty throughout."""
     if not rows:
         return rows
-    width = max(len(_trimmed(cells)) for _, cells in rows)
+    width = max(len(trimmed(cells)) for _, cells in rows)
     usual = Counter(min(len(cells), width) for _, cells in rows).most_common(1)[0][0]
     for n, cells in rows:
-        if len(_trimmed(cells)) > usual or len(cells) < usual:
+        if len(trimmed(cells)) > usual or len(cells) < usual:
             raise ConfigError(
                 f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs {usual} cells as the other rows have: "
                 f"{needed}"

@@ -8,7 +8,6 @@ import io
 import json
 import math
 import re
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -109,37 +108,19 @@ def packs(folder: str | Path) -> dict[str, Pack]:
 
 
 def _content(ds: "xr.Dataset") -> bytes:
-    """A dataset as sealed bytes."""
+    """A dataset as sealed bytes; all values of each type in a row, as an entry costs as much as a thousand numbers."""
     dims = {str(name): list(map(str, variable.dims)) for name, variable in ds.variables.items()}
-    arrays = {str(name): _plain(variable.values) for name, variable in ds.variables.items()}
+    arrays = {str(name): variable.values for name, variable in ds.variables.items()}
+    arrays = {name: values.astype(str) if values.dtype == object else values for name, values in arrays.items()}
     header = {"dims": dims, "coords": list(map(str, ds.coords)), "attrs": ds.attrs}
     header |= {"kinds": {name: (values.dtype.str, values.shape) for name, values in arrays.items()}}
-    content = io.BytesIO()
-    np.savez(content, allow_pickle=False, **{_HEADER: np.array(json.dumps(header))}, **_rows(arrays))
-    return content.getvalue() + seal_of(content.getvalue())
-
-
-def _rows(arrays: Mapping[str, AnyArray]) -> dict[str, AnyArray]:
-    """All values of each type in a row: an entry of the file costs as much as a thousand numbers."""
-    kinds: dict[str, list[AnyArray]] = {}
+    rows: dict[str, list[AnyArray]] = {}
     for values in arrays.values():
-        kinds.setdefault(values.dtype.str, []).append(values.ravel())
-    return {kind: np.concatenate(rows) for kind, rows in kinds.items()}
-
-
-def _taken_apart(rows: Mapping[str, AnyArray], kinds: Mapping[str, tuple[str, list[int]]]) -> dict[str, AnyArray]:
-    """Values by name from those of each type in a row."""
-    found, begun = {}, dict.fromkeys(rows, 0)
-    for name, (kind, shape) in kinds.items():
-        end = begun[kind] + math.prod(shape)
-        found[name] = rows[kind][begun[kind] : end].reshape(shape)
-        begun[kind] = end
-    return found
-
-
-def _plain(values: AnyArray) -> AnyArray:
-    """Words as NumPy stores them, numbers as they are."""
-    return values.astype(str) if values.dtype == object else values
+        rows.setdefault(values.dtype.str, []).append(values.ravel())
+    entries = {kind: np.concatenate(parts) for kind, parts in rows.items()}
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, **{_HEADER: np.array(json.dumps(header))}, **entries)
+    return content.getvalue() + seal_of(content.getvalue())
 
 
 def _dataset(content: bytes, path: Path) -> "xr.Dataset":
@@ -151,8 +132,11 @@ def _dataset(content: bytes, path: Path) -> "xr.Dataset":
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as stored:
             header = json.loads(str(stored[_HEADER]))
-            arrays = _taken_apart({kind: stored[kind] for kind in stored.files if kind != _HEADER}, header["kinds"])
-            values = {name: (dims, arrays[name]) for name, dims in header["dims"].items()}
+            rows = {kind: stored[kind] for kind in stored.files if kind != _HEADER}
+        values, begun = {}, dict.fromkeys(rows, 0)
+        for name, (kind, shape) in header["kinds"].items():
+            begin, begun[kind] = begun[kind], begun[kind] + math.prod(shape)
+            values[name] = header["dims"][name], rows[kind][begin : begun[kind]].reshape(shape)
         coords = {name: values.pop(name) for name in header["coords"]}
         return xr.Dataset(values, coords=coords, attrs=header["attrs"])
     except Exception as error:  # of other contents with a seal, whatever they hold

@@ -162,13 +162,13 @@ def _meant(name: str) -> str:
 def split(text: str) -> tuple[str, str] | None:
     """Return number and unit of a text such as 15 mm, 30% or 8 kN s/m; None of another text."""
     found = _QUANTITY.fullmatch(text)
-    if _is_number(text):  # 1.0e5
+    if is_number(text):  # 1.0e5
         return None
     return (found[1], found[2].strip()) if found else None
 
 
-def _is_number(text: str) -> bool:
-    """Whether Python reads a text as a number."""
+def is_number(text: str) -> bool:
+    """Return whether Python reads a text as a number."""
     try:
         float(text)
     except ValueError:

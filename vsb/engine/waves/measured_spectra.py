@@ -22,6 +22,7 @@ from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import bounded_reading, files_of, open_regular, read_text, read_unpacked
+from vsb.tools.units import is_number
 from vsb.tools.words import shortened
 
 if TYPE_CHECKING:
@@ -90,7 +91,9 @@ def read_spectra(path: str | Path) -> Climate:
             raise ConfigError(f"{path}: received {spectra.sizes[name]} along {name}, needs one: select a site")
         spectra = spectra.isel({name: 0})
     if "dir" in spectra.dims:
-        spectra = _once_around(spectra)
+        first, last = float(spectra.dir[0]), float(spectra.dir[-1])
+        if len(spectra.dir) > 1 and last - first == 360.0:  # it repeats the first
+            spectra = spectra.isel(dir=slice(0, -1))
         _check_all_around(path, spectra.dir.values)
         spectra = spectra.mean("dir", skipna=False) * 2 * np.pi
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
@@ -308,12 +311,6 @@ def _check_stated_lines(path: str | Path) -> None:
         )
 
 
-def _once_around(spectra: "xr.DataArray") -> "xr.DataArray":
-    """Spectra without a last direction that repeats the first, as 360 degrees repeat 0."""
-    first, last = float(spectra.dir[0]), float(spectra.dir[-1])
-    return spectra.isel(dir=slice(0, -1)) if len(spectra.dir) > 1 and last - first == 360.0 else spectra
-
-
 def dates_of(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
     """Dates of the records, one or more; plain numbers are refused."""
     if not time.size:
@@ -467,7 +464,7 @@ def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
     try:
         values: FloatArray = np.array([row for _, row in rows], dtype=float)
     except ValueError:
-        line, word = next((i, word) for i, row in rows for word in row if not _is_number(word))
+        line, word = next((i, word) for i, row in rows for word in row if not is_number(word))
         raise ConfigError(f"{path}:{line}: received {word!r}, needs a number") from None
     if not np.all(np.isfinite(values)) or (values.size and values.min() < 0):
         at, column = np.argwhere(~(values >= 0) | ~np.isfinite(values))[0]
@@ -475,15 +472,6 @@ def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
             f"{path}:{rows[at][0]}: received {rows[at][1][column]}, needs a number of 0 or more (999 for none)"
         )
     return values
-
-
-def _is_number(word: str) -> bool:
-    """Whether a word is a number."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _time(path: str | Path, line: int, words: list[str]) -> datetime:

@@ -30,7 +30,7 @@ from vsb.engine.waves.records import HIGHEST_SEA, impossible
 from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
-from vsb.tools.columns import Columns, dates, read_columns
+from vsb.tools.columns import Columns, dates, read_columns, trimmed
 from vsb.tools.files import read_text
 from vsb.tools.units import number
 from vsb.tools.words import LONGEST, shortened
@@ -100,7 +100,10 @@ def read_table(path: str | Path) -> Table:
 def _named(path: str | Path, rows: Rows) -> Table | None:
     """The table of some rows, one of which names its quantities; None if none does."""
     for at, (line, cells) in enumerate(rows):
-        _check_no_powers(path, line, cells)
+        text = " ".join(cells).lower()
+        if "power matrix" in text or re.search(r"[\[(]\s*(kw|w|mw)\s*[\])]", text):  # has the layout of a table of seas
+            words = shortened(repr(" ".join(filter(None, cells))))
+            raise ConfigError(f"{path}:{line}: received {words}, a power matrix; needs the occurrence of seas")
         if axes := _corner(path, rows, at):
             return _full(path, rows[at:], axes)
         if columns := _columns(path, rows[at]):
@@ -131,16 +134,6 @@ def _rows(path: str | Path, lines: list[str], delimiter: str) -> Rows:
         raise ConfigError(
             f"{path}:{reader.line_num}: received a cell too long ({error}); needs all quotes closed"
         ) from None
-
-
-def _check_no_powers(path: str | Path, line: int, cells: list[str]) -> None:
-    """Raise of the title of a power matrix, which has the layout of a scatter table."""
-    text = " ".join(cells).lower()
-    if "power matrix" in text or re.search(r"[\[(]\s*(kw|w|mw)\s*[\])]", text):
-        raise ConfigError(
-            f"{path}:{line}: received {shortened(repr(' '.join(filter(None, cells))))}, a power matrix; needs "
-            "the occurrence of seas"
-        )
 
 
 # which quantity is where --------------------------------------------------------------------------------------------
@@ -176,7 +169,7 @@ def _blank_corner(path: str | Path, rows: Rows, at: int) -> Axes | None:
     (line, cells), body = rows[at], rows[at + 1 :]
     if len(cells) < 3 or kind_of(cells[0]) or number(cells[0]) is not None or not _are_bins(cells[1:]):
         return None
-    labels = [row[0] for _, row in body if row[0] and _sum_label(row[0]) is None and len(_trimmed(row)) > 1]
+    labels = [row[0] for _, row in body if row[0] and _sum_label(row[0]) is None and len(trimmed(row)) > 1]
     if not labels or not all(map(_bin, labels)):
         return None
     across = _axis(path, [(line, cell) for cell in cells[1:] if cell and _sum_label(cell) is None])
@@ -326,7 +319,7 @@ def _full(path: str | Path, rows: Rows, axes: Axes) -> Table:
         header = header[:-1]
     labels = [(i, cell) for i, cell in enumerate(header) if i and _sum_label(cell) is None]
     beside = [i for i, cell in enumerate(header) if i and _sum_label(cell) == "sum"]
-    widths = {len(_trimmed(row)) for _, row in body if not _sum_label(row[0]) and len(_trimmed(row)) > 1}
+    widths = {len(trimmed(row)) for _, row in body if not _sum_label(row[0]) and len(trimmed(row)) > 1}
     edges = len(labels) >= FEWEST_OF_EDGES and len(body) > 1 and widths == {len(header) - 1}
     across, width = _axis(path, [(first, cell) for _, cell in labels]), len(header)
     if edges:
@@ -334,7 +327,7 @@ def _full(path: str | Path, rows: Rows, axes: Axes) -> Table:
         labels, width = labels[:-1], width - 1
     read, down, cells, sums, words = Cells(path), [], [], [], []
     for line, row in body:
-        if len(_trimmed(row)) == 1 and _bin(row[0]) is None and _sum_label(row[0]) is None:
+        if len(trimmed(row)) == 1 and _bin(row[0]) is None and _sum_label(row[0]) is None:
             words.append(f"line {line} left out: {shortened(row[0])}")
             continue
         if len(row) < width or any(row[width:]):
@@ -365,11 +358,6 @@ def _full(path: str | Path, rows: Rows, axes: Axes) -> Table:
     left = [*(cell for cell in header[1:] if _sum_label(cell)), *(row[0] for _, row in body if _sum_label(row[0]))]
     notes += [f"left out, sums of the others: {', '.join(left)}"] if left else []
     return _table(path, by, occurrence[occupied], 100.0 if read.percent else None, [*notes, *read.notes])
-
-
-def _trimmed(cells: list[str]) -> list[str]:
-    """Cells without empty ones at the end, which a spreadsheet writes."""
-    return cells[: max((i + 1 for i, cell in enumerate(cells) if cell), default=0)]
 
 
 def _check_sums(path: str | Path, printed: Iterable[tuple[int, str]], computed: FloatArray, where: str) -> None:
@@ -492,7 +480,12 @@ def read_series(path: str | Path) -> Table | None:
     notes.append(f"{len(hs)} records, {int((~there).sum())} with missing values or no waves left out")
     if there.mean() < 0.5:
         notes.append(f"{int(there.sum())} of {len(hs)}: {FEW}")
-    return _counted(hs[there], period[there], kind, notes)
+    hs, period = hs[there], period[there]
+    places = np.column_stack([np.floor(hs / HEIGHT_STEP), np.floor(period / PERIOD_STEP)])
+    _, cell = np.unique(places, axis=0, return_inverse=True)
+    count, energy, weighted = (np.bincount(cell.ravel(), weights) for weights in (None, hs**2, hs**2 * period))
+    notes.append(f"counted in bins of {HEIGHT_STEP:g} m and {PERIOD_STEP:g} s, their mean energy and flux kept")
+    return Table(np.sqrt(energy / count), weighted / energy, kind, count.astype(float), None, tuple(notes))
 
 
 def _names_series(line: str) -> bool:
@@ -502,15 +495,6 @@ def _names_series(line: str) -> bool:
         if is_series(cells) and not any(number(cell.strip()) is not None for cell in cells):
             return True
     return False
-
-
-def _counted(hs: FloatArray, period: FloatArray, kind: str, notes: list[str]) -> Table:
-    """Occupied cells of bins of height and period."""
-    places = np.column_stack([np.floor(hs / HEIGHT_STEP), np.floor(period / PERIOD_STEP)])
-    _, cell = np.unique(places, axis=0, return_inverse=True)
-    count, energy, weighted = (np.bincount(cell.ravel(), weights) for weights in (None, hs**2, hs**2 * period))
-    notes = [*notes, f"counted in bins of {HEIGHT_STEP:g} m and {PERIOD_STEP:g} s, their mean energy and flux kept"]
-    return Table(np.sqrt(energy / count), weighted / energy, kind, count.astype(float), None, tuple(notes))
 
 
 _Series = tuple[FloatArray, FloatArray, str, list[datetime], list[str]]
@@ -571,21 +555,17 @@ def _of_text(path: str | Path, table: Columns) -> _Series:
         stated = table.units[i] or unit
         if (factor := units.scale(stated, powers)) is None:
             raise ConfigError(f"{path}: received {table.label(i)}, needs {unit}")
-        found.append(factor * np.array([_value(path, line, cells[i]) for line, cells in table.rows]))
+        values = [np.nan if row[i].strip().lower() in WORDS else number(row[i]) for _, row in table.rows]
+        if None in values:
+            line, row = table.rows[values.index(None)]
+            raise ConfigError(
+                f"{path}:{line}: received {shortened(repr(row[i]))}, needs a number, or nothing where it is missing"
+            )
+        found.append(factor * np.array(values, dtype=float))
     times, of_time = _times(table)
     if left := [table.label(i) for i, name in enumerate(table.names) if name not in used and i not in of_time]:
         notes.append(f"columns left out: {', '.join(left)}")
     return found[0], found[1], kind, times, notes
-
-
-def _value(path: str | Path, line: int, cell: str) -> float:
-    """A number, NaN where it is missing."""
-    value = np.nan if cell.strip().lower() in WORDS else number(cell)
-    if value is None:
-        raise ConfigError(
-            f"{path}:{line}: received {shortened(repr(cell))}, needs a number, or nothing where it is missing"
-        )
-    return value
 
 
 def _times(table: Columns) -> tuple[list[datetime], list[int]]:
@@ -648,7 +628,7 @@ def climate_of_cells(
     hs: FloatArray, te: FloatArray, share: FloatArray, gamma: float, name: str, notes: Sequence[str] = ()
 ) -> Climate:
     """Return the climate of JONSWAP seas of given heights, energy periods and shares, each shape (sea,)."""
-    tp = te / energy_over_peak_period(gamma)
+    tp = te / energy_period_over("tp", gamma)
     low, high = 2 * np.pi / tp.max() * REACH[0], 2 * np.pi / tp.min() * REACH[1]
     omega = np.geomspace(low, high, int(np.ceil(np.log(high / low) / BAND)) + 1)
     return Climate(omega, jonswap_bands(omega, hs, tp, gamma), share, hs, te, name, tuple(notes))
@@ -680,11 +660,6 @@ def energy_period_over(kind: str, gamma: float) -> float:
     m2 += float(density[-1] * x[-1] ** 3) / 2  # beyond the last frequency S falls with its fifth power
     te = before / m0  # in peak periods, as the others
     return float(te / {"te": te, "tp": 1.0, "tz": np.sqrt(m0 / m2), "t01": m0 / m1}[kind])
-
-
-def energy_over_peak_period(gamma: float) -> float:
-    """Return Te/Tp of a JONSWAP sea [-]; 0.857 for gamma 1, 0.903 for 3.3."""
-    return energy_period_over("tp", gamma)
 
 
 def jonswap_bands(omega: FloatArray, hs: FloatArray, tp: FloatArray, gamma: float) -> FloatArray:
