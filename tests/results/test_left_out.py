@@ -43,13 +43,16 @@ SURGING = {
 
 def convergence(study, **options):
     return ModeConvergence(
-        StudyPlan(study).ladder.spec.buoy, [wave.realisation(study.hydro.omega_max, 60.0) for wave in study.waves], **options
+        StudyPlan(study).ladder.spec.buoy,
+        [wave.realisation(study.hydro.omega_max, 60.0) for wave in study.waves],
+        **options,
     )
 
 
 def left_out(study):
     return modes_left_out(
-        StudyPlan(study).ladder.spec.buoy, [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves]
+        StudyPlan(study).ladder.spec.buoy,
+        [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves],
     )
 
 

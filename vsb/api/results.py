@@ -25,7 +25,7 @@ from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto, port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate
-from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.scatter import climate_of_cells
 from vsb.errors import ConfigError, DatabaseError
 from vsb.models.build import DesignInSea, design_in_sea
@@ -338,7 +338,7 @@ class Results:
     def period(self, wave: str | None = None) -> float:
         """Return the period of a sea [s]: of an irregular one the peak period, of still water the record."""
         found = self._wave(wave)
-        return self.study.simulation.duration if isinstance(found, StillWater) else 2 * np.pi / found.omega
+        return self.study.simulation.duration if found.still else 2 * np.pi / found.omega
 
     def port(self, design: str, omega: npt.ArrayLike | None = None, direction: float = 0.0) -> Port:
         """Return impedance and free velocity at the take-off of a design.

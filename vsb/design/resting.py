@@ -16,7 +16,6 @@ from scipy.linalg import block_diag
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium, equilibrium_near
-from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.meridian import ClosedMeridian, Curve, capsule, series, spheroid, through
 from vsb.engine.shell.modes import ModeBasis, rigid_basis
 from vsb.engine.shell.rings import AttachmentModes
@@ -254,7 +253,7 @@ def with_values(study: Study, values: Mapping[str, float]) -> Study:
     for key, value in values.items():
         study = _with(study, key.split("."), value)
     device = study.device
-    if not isinstance(device.material, Hookean):  # moduli are those of small strains
+    if device.material.rubber:  # moduli are those of small strains
         device = device.model_copy(update={"young_modulus": device.material.young_modulus})
     return study.model_copy(update={"device": device})
 

@@ -19,7 +19,7 @@ from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.orders import OrderBasis, all_clamp_rows
-from vsb.engine.waves.kinds import RegularWave, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import DatabaseError
 from vsb.models import automatic
@@ -299,7 +299,7 @@ def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
     (design,), (wave,), (buoy, hydro), pto = run.designs, run.waves, _buoy_of(run), run.pto
     basis = study_basis(buoy)
-    omega = wave.omega if isinstance(wave, RegularWave) else 0.0
+    omega = wave.omega if wave.regular else 0.0
     load = AssumedPressure(hydro.pressure or 0.0 if omega else 0.0, omega)
     shell, water = DeformedShell(basis, buoy.centre_height, np.zeros(len(basis.labels))), run.water
     motions, take_off = design_motions(buoy, basis, design), LinearPto(pto.damper(design) or 0.0, pto.stiffness)

@@ -29,7 +29,7 @@ from vsb.engine.motion.tuning import frequencies
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.engine.shell.rings import HIGHEST
-from vsb.engine.waves.kinds import SeaOfFile, SpectralSea, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, order_bases
@@ -307,7 +307,7 @@ def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
 def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
     """A sea of components that do not repeat within a duration [s], what of it lies in the band of a database."""
     lowest, highest = band(study, ds)
-    lowest = float(ds.omega[0]) if isinstance(wave, SeaOfFile) else lowest
+    lowest = float(ds.omega[0]) if wave.of_file else lowest
     found = wave.realisation(highest, duration)
     kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
     return found if kept.all() else found.part(kept)
@@ -319,7 +319,7 @@ def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     Bands are narrower than any resonance that matters, and those of neighbouring seas are the same. A record of
     elevations is all the sea there is: expectations are means over the whole of it.
     """
-    if not isinstance(wave, SpectralSea):
+    if not wave.drawn:
         return study_sea(study, wave, ds)
     width = 2.0 ** np.floor(np.log2(wave.resolution))
     spectral = wave.expected.model_copy(update={"seed": 1})  # which a spread sea takes its directions by
@@ -328,7 +328,7 @@ def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
 
 def heading(wave: Wave) -> float:
     """Return the direction a sea goes to [degrees]; in still water any will do."""
-    return 0.0 if isinstance(wave, StillWater) else wave.direction
+    return 0.0 if wave.still else wave.direction
 
 
 def heading_in(wave: Wave, sea: Sea) -> Heading:
@@ -346,7 +346,7 @@ def _by_heading(seas: Sequence[tuple[Wave, Sea]]) -> list[tuple[Heading, FloatAr
 
     A spread sea shares its directions with none.
     """
-    moving = [i for i, (wave, _) in enumerate(seas) if not isinstance(wave, StillWater)]
+    moving = [i for i, (wave, _) in enumerate(seas) if not wave.still]
     alike = [i for i in moving if seas[i][1].heading is None]
     going = dict.fromkeys(heading(seas[i][0]) for i in alike)
     groups: list[tuple[Heading, list[int]]] = [(one, [i for i in alike if heading(seas[i][0]) == one]) for one in going]

@@ -7,7 +7,6 @@ from typing import NamedTuple
 from vsb.engine.shell.device import Gas
 from vsb.engine.shell.loaded import buckling, stable_path, viable_pressure
 from vsb.engine.shell.lobes import LobedShell, with_lobes
-from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.models.rest import complete_loaded_shell, reference_shell
@@ -74,7 +73,7 @@ def _advice_at_rest(study: Study) -> str:
     trials = _trials(study)
     if (pressure := _standing(trials)) is not None:
         return f"device.internal_pressure of {pressure:g} Pa carries this shell (tried)"
-    if study.device.gas is None and not isinstance(study.device.material, Hookean):
+    if study.device.gas is None and study.device.material.rubber:
         trapped = study.model_copy(update={"device": study.device.model_copy(update={"gas": Gas()})})
         if (pressure := _standing(_trials(trapped))) is not None:
             return f"trapped gas (device.gas) with device.internal_pressure of {pressure:g} Pa carries it (tried)"
@@ -150,7 +149,7 @@ def _least(study: Study, trials: Sequence[Trial], *, of_wall: bool) -> str:
     The load that buckles a wall grows with the cube of its thickness at most, so that no wall is passed over that
     stands; with the modulus in proportion, save of rubber, which bears more pressure then.
     """
-    exponent = 1.0 if not of_wall and isinstance(study.device.material, Hookean) else 1 / 3
+    exponent = 1.0 if not of_wall and not study.device.material.rubber else 1 / 3
     factor, followed = 1.0, 0
     while followed < TRIALS:
         carried = max((trial.load_factor for trial in trials), default=1.0)  # share of the load
@@ -172,7 +171,7 @@ def _words(study: Study, *, of_wall: bool) -> str:
     size = f"{float(f'{_size(study, of_wall=of_wall):.2g}'):g}"
     if of_wall:
         return f"a thickness of about {size} mm"
-    hooke = isinstance(study.device.material, Hookean)
+    hooke = not study.device.material.rubber
     return f"young_modulus {size} MPa" if hooke else f"a shear modulus of {size} MPa"
 
 
@@ -181,7 +180,7 @@ def _size(study: Study, *, of_wall: bool) -> float:
     device = study.device
     if of_wall:
         return 1e3 * device.thickness
-    return 1e-6 * device.young_modulus / (1 if isinstance(device.material, Hookean) else 3)
+    return 1e-6 * device.young_modulus / (1 if not device.material.rubber else 3)
 
 
 def _rounded_up(value: float) -> float:
@@ -215,7 +214,7 @@ def _keel_pressure(study: Study) -> float:
 def _trials(study: Study) -> list[Trial]:
     """The study at the pressures that inflation allows."""
     device, found = study.device, []
-    rubber = not isinstance(device.material, Hookean)
+    rubber = device.material.rubber
     limit = INFLATED * device.young_modulus / 3 * device.thickness / device.radius
     for share in PRESSURES:
         pressure = float(f"{share * _keel_pressure(study):.3g}")

@@ -26,7 +26,6 @@ from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.loaded import equilibrium
-from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.keys.quantities import canonical
@@ -118,7 +117,7 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
         raise ConfigError(f"water.depth: received {study.water.depth:g} m; shape dependence needs deep water, .inf")
     highest = study.hydro.omega_max
     grid = {round(highest * (i + 1) / frequencies, 10) for i in range(frequencies)}
-    waves = {wave.omega for wave in study.waves if isinstance(wave, RegularWave)}
+    waves = {wave.omega for wave in study.waves if wave.regular}
     seas = (wave.realisation(highest, study.simulation.duration) for wave in study.waves)
     lowest = min((float(one.omega.min()) for one in seas if one.omega.size), default=np.inf)
     known = grid | waves
@@ -294,5 +293,5 @@ def largest_mode(ds: xr.Dataset) -> str | None:
 def shapes_of_study(study: Study, family: ShapeFamily) -> int:
     """Return the number of shapes `shape_dataset` looks at, where every design has a shape at rest."""
     checks = 1 + 2 * len(family.labels) + TRIED + len(SIZES) * SAMPLES
-    seas = sum(not isinstance(wave, StillWater) for wave in study.waves)
+    seas = sum(not wave.still for wave in study.waves)
     return family.shapes_of_derivatives + checks + seas * len(study.designs)

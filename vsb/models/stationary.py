@@ -17,7 +17,7 @@ from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
+from vsb.engine.waves.kinds import Irregular, RecordedSea, Wave, WhiteNoise
 from vsb.engine.waves.seas import RESOLVED, Sea
 from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
@@ -54,7 +54,7 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     linear = floating.towards(heading(wave))
     near, far = linear.extended_equation(inside), linear.extended_equation(beyond)
     spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
-    spreading = None if isinstance(wave, RecordedSea) else wave.spreading
+    spreading = wave.spreading if wave.drawn else None
     parts = spreading.directions if spreading else PARTS
     found = {}
     for design, motions in floating.motions.items():
@@ -117,7 +117,7 @@ def optimum_with_drag(
 
 def _on_grid(floating: FloatingSystem, wave: Irregular, sea: Sea) -> tuple[Sea, float, IntArray, int]:
     """A sea, the spacing of a controller's frequencies, the places of its components, and how many the band has."""
-    if isinstance(wave, RecordedSea | WhiteNoise):
+    if not wave.even_components:
         sea = _of_density(wave, floating.band)
     spacing = float(np.diff(sea.omega).min())
     at = np.rint(sea.omega / spacing - 0.5).astype(int)
@@ -219,7 +219,7 @@ def controlled(
     """
     law = scene.law
     assert law is not None
-    assert isinstance(wave, IrregularSea)  # a study's own check
+    assert wave.irregular  # a study's own check
     one = replace(floating, motions={design: floating.motions[design]})
     seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
     port, limits = stationary_ports(one, wave, sea)[design], rms_limits(pto, seen, squares[0])

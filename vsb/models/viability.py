@@ -13,7 +13,6 @@ from vsb.engine.motion.port import LinearPto, port_direction
 from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.loaded import Buckling, ElasticShell, LoadedShell, stable_path
 from vsb.engine.shell.lobes import softest_order
-from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.modes import ModeBasis
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.keys.quantities import canonical
@@ -162,7 +161,7 @@ def buckling_margin(study: Study) -> float:
     """
     if not study.flexible:
         return 1.0
-    rubber = not isinstance(study.device.material, Hookean)
+    rubber = study.device.material.rubber
     if rubber and study.at_equilibrium:
         return 1.0 - 1.0 / rubber_load_factor(complete_loaded_shell(study))
     if rubber or study.device.gas:

@@ -11,7 +11,7 @@ from vsb.engine.hydro.bodies.body_file import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
 from vsb.engine.motion.take_off import SeveralPorts
-from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.study.campaign import CAUSAL
 from vsb.study.resolution import BlockSpec
 from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
@@ -110,9 +110,9 @@ def block_seconds(block: BlockSpec) -> float:
 
 def latching_seconds(study: BaseStudy, wave: Wave) -> float:
     """Return the CPU time of the search for the latching time of one design in a sea [s]; with its damping twice."""
-    if not study.pto.has_latching_time or isinstance(wave, StillWater):
+    if not study.pto.has_latching_time or wave.still:
         return 0.0
-    regular, wet = isinstance(wave, RegularWave), study.buoy is not None and study.buoy.hydro.model != "linear"
+    regular, wet = wave.regular, study.buoy is not None and study.buoy.hydro.model != "linear"
     costs = LATCHING_TIME_SECONDS if regular else LATCHED_SECONDS
     each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
     return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
@@ -139,7 +139,7 @@ def body_seconds(file: BodyFile, matrices: float) -> float:
 
 def ladder_seconds(study: BaseStudy) -> float:
     """Return the CPU time of the control levels of a study [s]."""
-    irregular = sum(isinstance(wave, IrregularSea) for wave in study.waves)
+    irregular = sum(wave.irregular for wave in study.waves)
     if not study.pto.several or not isinstance(study, Study):
         return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
     full = OF_FULL_MATRIX if isinstance(study.pto.port, SeveralPorts) and study.pto.port.matrix == "full" else 1.0
@@ -149,7 +149,7 @@ def ladder_seconds(study: BaseStudy) -> float:
 def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
-    seas = 2.0 if isinstance(wave, IrregularSea) else 1.0  # of many components
+    seas = 2.0 if wave.irregular else 1.0  # of many components
     if study.buoy and study.buoy.hydro.model == "body_exact":
         seas *= _of_wall(study.buoy, flexible=flexible)
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
@@ -179,8 +179,8 @@ def record_megabytes(study: BaseStudy, wave: Wave, coordinates: int) -> int:
 
 def run_megabytes(study: BaseStudy, wave: Wave, coordinates: int, highest: float) -> int:
     """Return the memory of a run in a sea [MB]: three times its record, one leg, the sea's components to `highest`."""
-    band = highest if isinstance(wave, IrregularSea) else 0.0
-    length = wave.file.length if isinstance(wave, RecordedSea) else study.simulation.duration
+    band = highest if wave.irregular else 0.0
+    length = wave.file.length if wave.recorded else study.simulation.duration
     return 800 + 3 * record_megabytes(study, wave, coordinates) + math.ceil(6e-4 * band * length)
 
 

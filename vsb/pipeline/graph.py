@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile, panel_count, solve_resources
 from vsb.engine.hydro.panels import panel_solver
-from vsb.engine.waves.kinds import RegularWave, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
@@ -299,7 +299,7 @@ class ResultsPlan(Graph):
     def response(self) -> Task:
         """The frequency response."""
         grid = self._response_grid
-        omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)} | {*grid.pop("omega", ())}
+        omega = {wave.omega for wave in self.study.waves if wave.regular} | {*grid.pop("omega", ())}
         spec = ResponseSpec(system=self.system(), omega=tuple(sorted(omega)), directions=self.study.directions, **grid)
         read, out = {"database": self.database}, f"{self.folder}/response.nc"
         return Task.of("response", spec, out, read, stamps=(self.database,), seconds=0.8)

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.linear import direction_index
 from vsb.engine.motion.take_off import SeveralPorts
-from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import ConfigError
@@ -68,7 +68,7 @@ def energy_flux(sea: Sea, water: Water) -> float:
 def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, float]:
     """Return the part of the window means are taken over [s]: as many whole periods as fit, at its end (C8)."""
     start, end = window
-    if not isinstance(wave, RegularWave) or end - start < wave.period:
+    if not wave.regular or end - start < wave.period:
         return start, end
     return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
 
@@ -120,7 +120,7 @@ def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     for design, values in merits.items():
         row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
         row["energy_residual"] = float(runs[design].attrs["energy_residual"])
-        gain = None if isinstance(wave, StillWater) else power[design]
+        gain = None if wave.still else power[design]
         damper = damper_of(study, design, runs[design].attrs) if study.pto.law_has_damping else None
         take_off = (damper, study.pto.stiffness, gain)
         row |= dict(zip(TAKE_OFF, take_off, strict=True)) | dict.fromkeys((*INTERVAL, *POWER_INTERVAL, *OF_RECORD))
@@ -176,7 +176,7 @@ def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
     """
     if "wave_direction" not in response.dims:
         return response
-    if isinstance(wave, StillWater):
+    if wave.still:
         return response.isel(wave_direction=0)
     place = direction_index(response.wave_direction.values, float(np.deg2rad(wave.direction)))
     if place is None:
@@ -230,7 +230,7 @@ def linear_mean(
 
     None in other seas, and of a nonlinear take-off.
     """
-    if not isinstance(wave, RegularWave) or study.pto.nonlinear:
+    if not wave.regular or study.pto.nonlinear:
         return None
     if LINEARISED in run:
         return float(run[LINEARISED])

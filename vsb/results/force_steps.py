@@ -13,7 +13,7 @@ from vsb.engine.motion.constrained import optimum_in_sea
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import Irregular, IrregularSea, RegularWave, SpectralSea
+from vsb.engine.waves.kinds import Irregular, RegularWave
 from vsb.engine.waves.seas import Sea
 from vsb.errors import VsbError
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
@@ -58,9 +58,7 @@ def repeating(wave: Irregular, harmonics: Harmonics) -> Sea:
     """
     low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
     amplitude = np.sqrt(2 * wave.variances(low, high))
-    phase = np.random.default_rng(wave.seed if isinstance(wave, SpectralSea) else 1).uniform(
-        0.0, 2 * np.pi, harmonics.count
-    )
+    phase = np.random.default_rng(wave.seed if wave.drawn else 1).uniform(0.0, 2 * np.pi, harmonics.count)
     return Sea(harmonics.omega, amplitude * np.exp(1j * phase))
 
 
@@ -87,7 +85,7 @@ def force_steps(
     stroke : float
         Limit of the port's displacement from rest [m].
     """
-    if isinstance(wave, IrregularSea):
+    if wave.irregular:
         harmonics = harmonics_within(band, seas * len(seen) * len(SHARES))
         waves, repeats = repeating(wave, harmonics), 2 * np.pi / harmonics.spacing
     else:

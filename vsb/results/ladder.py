@@ -38,7 +38,7 @@ from vsb.engine.motion.tuning import (
     mean_power,
     squares,
 )
-from vsb.engine.waves.kinds import IrregularSea, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.errors import ConfigError, VsbError
 from vsb.models.drag import dragged_port
@@ -154,7 +154,7 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         Path of its hydro database.
     """
     floating, pto = floating_system(study, database), study.pto
-    waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    waves = [wave for wave in study.waves if not wave.still]
     if not waves:
         return []
     ds = floating.linear.database
@@ -508,7 +508,7 @@ def causal_levels(
     """
     by = {(level.design, level.wave, level.rung): level for level in levels}
     pto, found, stationary = study.pto, [], {}
-    irregular = [(i, wave, sea) for i, (wave, sea) in enumerate(seas) if isinstance(wave, IrregularSea)]
+    irregular = [(i, wave, sea) for i, (wave, sea) in enumerate(seas) if wave.irregular]
     for (i, wave, sea), design in product(irregular, study.designs):
         best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
         if not best.force_rms or not matched.power_mean:
@@ -565,7 +565,7 @@ def causal_levels_with_drag(
     by = {(level.design, level.wave, level.rung): level for level in levels}
     pto, found = study.pto, []
     for (wave, sea), design in product(seas, study.designs):
-        if not isinstance(wave, IrregularSea):
+        if not wave.irregular:
             continue
         best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
         if not best.force_rms or not matched.power_mean:
@@ -618,7 +618,7 @@ def causal_levels_of_several(
     rows, ports, alike = squares([sea for _, sea in seas], omega), floating.several_ports(omega), forces_alike(pto)
     by = {(level.design, level.wave, level.rung): level for level in levels}
     for (wave, sea), row in zip(seas, rows, strict=True):
-        if not isinstance(wave, IrregularSea):
+        if not wave.irregular:
             continue
         for design, stationary in stationary_several(floating, wave, sea).items():
             best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))

@@ -21,7 +21,7 @@ from vsb.engine.shell.material import Range
 from vsb.engine.shell.orders import largest_displacement
 from vsb.engine.shell.rings import HIGHEST
 from vsb.engine.shell.shell import Shell
-from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water, power_limit, wavenumber
 from vsb.keys.meanings import KEYS
 from vsb.keys.quantities import leaves
@@ -103,7 +103,7 @@ def record_checks(study: Study | BodyStudy, linear: Collection[str] = ()) -> lis
     (start, end), checks = study.simulation.window, []
     for name, waves in families(study).items():
         if study.power_of_spectrum or name in linear:
-            whole = "the whole record" if isinstance(waves[0], RecordedSea) else "the spectrum"
+            whole = "the whole record" if waves[0].recorded else "the spectrum"
             text = f"mean power follows from {whole}, whatever the {end - start:.4g} s simulated; their mean may differ"
             checks.append(check_at_most("record_length", 0.0, 1.0, "-", text, doubt=True, wave=name))
             continue
@@ -118,13 +118,12 @@ def record_checks(study: Study | BodyStudy, linear: Collection[str] = ()) -> lis
 
 def wave_checks(wave: Wave, water: Water, omega_max: float, omega_min: float = 0.0) -> list[Check]:
     """Return the steepness of a sea, and the share of an irregular one outside a band [rad/s]."""
-    if isinstance(wave, StillWater):
+    if wave.still:
         return []
-    height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
-    steepness = height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
+    steepness = wave.height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
     text = "wave height over wavelength"
     checks = [check_at_most("steepness", steepness, 0.05, "-", text, doubt=True, wave=wave.label)]
-    if isinstance(wave, IrregularSea):
+    if wave.irregular:
         share, text = wave.share_above(omega_max), "share of the sea above hydro.omega_max"
         if omega_min:
             share += wave.share_below(omega_min)
@@ -316,7 +315,7 @@ def ring_width_checks(study: Study, database: str) -> list[Check]:
     database : str
         Path of the hydro database.
     """
-    seas = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    seas = [wave for wave in study.waves if not wave.still]
     if study.pto.several or not seas or not has_attachment_modes(study) or not ring_loads(study):
         return []
     shell, checks = Shell.of(study.device), []
@@ -345,7 +344,7 @@ def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:
     water = study.water
     amplitude = (study.hydro.pressure or 0.0) / (water.density * water.gravity)
     checks = []
-    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
+    for wave in (w for w in study.waves if w.regular):
         limit = power_limit(wave.omega, water.depth, water.density, water.gravity) * amplitude**2
         best = max((row for row in rows if row["wave"] == wave.label), key=lambda row: float(row["power_mean"]))
         share = float(best["power_mean"]) / limit if limit else 0.0

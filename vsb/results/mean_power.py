@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.motion.take_off import Pto
-from vsb.engine.waves.kinds import SpectralSea, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.models.drag import LINEARISED
 from vsb.results.budget import Budget, Source
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
@@ -109,7 +109,7 @@ def mean_powers(
     by = {(one.design, one.wave, one.rung): one for one in levels}
     seas: dict[str, list[Wave]] = {}
     for wave in study.waves:
-        if not isinstance(wave, StillWater):
+        if not wave.still:
             seas.setdefault(wave.family, []).append(wave)
     found: dict[tuple[str, str], MeanPower] = {}
     for waves in seas.values():
@@ -149,7 +149,7 @@ def with_record_intervals(study: BaseStudy, wave: Wave, rows: Sequence[Row], sam
 
     Parameters are those of `mean_powers`.
     """
-    if not isinstance(wave, SpectralSea):
+    if not wave.drawn:
         return list(rows)
     found, random = [], wave.amplitudes == "random"
     for row in rows:

@@ -16,7 +16,7 @@ from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import CONVOLVED
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.orders import largest_deformation, largest_displacement, largest_strain
-from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import wavenumber
 from vsb.models.drag import DAMPERS, LINEARISED
 from vsb.models.rest import order_bases, reference_shell
@@ -86,7 +86,7 @@ def buoy_motion_checks(study: Study, basis: ModeBasis, wave: Wave, run: xr.Datas
         moved = {name: inside.position.sel(dof=name).values if name in run.dof else 0.0 for name in RIGID}
         tilt = float(np.max(np.hypot(moved["Pitch"], moved["Roll"])))
         checks.append(check_at_most("pitch", tilt, 0.3, "rad", "largest angle from upright", doubt=True, **where))
-        if not isinstance(wave, StillWater):
+        if not wave.still:
             towards = np.deg2rad(wave.direction)
             along = float(np.max(np.abs(np.cos(towards) * moved["Surge"] + np.sin(towards) * moved["Sway"])))
             phase = along * wavenumber(wave.omega, study.water.depth, study.water.gravity)
@@ -214,7 +214,7 @@ def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row
     Of a linear run the difference is an error of the simulation, of a body-exact run what nonlinearity does, and of
     a run with quadratic drag what its equivalent damper misses.
     """
-    checks, waves = [], {wave.label: wave for wave in study.waves if isinstance(wave, RegularWave)}
+    checks, waves = [], {wave.label: wave for wave in study.waves if wave.regular}
     for row in rows:
         design, label, mean = row["design"], row["wave"], row["record_power_mean"]
         run = runs[design, label]

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import stdtrit
 
 from vsb.engine.hydro.database import Check, check_at_most
-from vsb.engine.waves.kinds import Irregular, IrregularSea
+from vsb.engine.waves.kinds import Irregular
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.models.drag import LINEARISED
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
@@ -91,7 +91,7 @@ def families(study: BaseStudy) -> dict[str, list[Irregular]]:
     """Return the irregular seas of a study, realisations of one sea together, by the name without seed."""
     found: dict[str, list[Irregular]] = {}
     for wave in study.waves:
-        if isinstance(wave, IrregularSea):
+        if wave.irregular:
             found.setdefault(wave.family, []).append(wave)
     return found
 

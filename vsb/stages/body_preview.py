@@ -20,7 +20,7 @@ from vsb.engine.hydro.repairs import check_repairable
 from vsb.engine.hydro.variables import motion_of
 from vsb.engine.motion.frequency import allowed_part, compliance
 from vsb.engine.motion.linear import LinearSystem, direction_index
-from vsb.engine.waves.kinds import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
+from vsb.engine.waves.kinds import Wave, file_lines
 from vsb.errors import ConfigError, StabilityError
 from vsb.models.body import check_water, complete_body, dry_database, within_band
 from vsb.models.drag import dragged
@@ -90,7 +90,7 @@ def check(plan: BodyPlan) -> CheckedBody:
         database.load_database(plan.database.out, plan.database.id)
     if Path(plan.radiation.out).exists():
         load(plan.radiation.out)
-    moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    moving = [wave for wave in study.waves if not wave.still]
     if moving and not plan.study.uses_panels:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
@@ -107,7 +107,7 @@ def drifting_motions(labels: Sequence[str], loose: FloatArray, waves: Sequence[W
         return []
     found, free = np.zeros(len(labels)), np.linalg.qr(loose)[0]
     for wave in waves:
-        if isinstance(wave, StillWater):
+        if wave.still:
             continue
         towards = {"Surge": np.cos(np.deg2rad(wave.direction)), "Sway": np.sin(np.deg2rad(wave.direction))}
         along = np.array([towards.get(motion_of(label), 0.0) for label in labels])
@@ -137,15 +137,15 @@ def _off_axis(checks: Sequence[Check]) -> str:
 
 def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
     """Check that a sea comes from a direction the database has, and lies in its band; raises `ConfigError`."""
-    if isinstance(wave, StillWater):
+    if wave.still:
         return
     first, last = body.database.omega.values[[0, -1]]
     check_direction(wave.direction, body, f"waves.{i}.direction")
-    if isinstance(wave, SeaOfFile):
+    if wave.of_file:
         wave.check_band(float(first), float(last), f"waves.{i}.file")
         return
-    low, high = wave.reach if isinstance(wave, IrregularSea) else (wave.omega, wave.omega)
-    if not first - 1e-9 <= high <= last + 1e-9 or (low < first - 1e-9 and not isinstance(wave, IrregularSea)):
+    low, high = wave.reach if wave.irregular else (wave.omega, wave.omega)
+    if not first - 1e-9 <= high <= last + 1e-9 or (low < first - 1e-9 and not wave.irregular):
         raise ConfigError(
             f"waves.{i} {wave.label}: received a frequency of {high:.4g} rad/s, needs {first:.4g} to {last:.4g} rad/s, "
             "the band of the body's database"

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.engine.waves.measured_spectra import read_spectra
 from vsb.engine.waves.scatter import Spectrum, read_scatter
 from vsb.errors import ConfigError
@@ -121,11 +120,11 @@ def sea_lines(plan: Plan) -> list[str]:
 
     found = {}
     for wave in plan.study.waves if plan.study.needs_bem else ():
-        if isinstance(wave, StillWater):
+        if wave.still:
             continue
         energy = wave.energy(plan.study.water)
         flux = f"{energy.flux / 1000:.3g} kW/m"
-        if isinstance(wave, RegularWave):
+        if wave.regular:
             found[wave.label] = f"height {energy.height:.3g} m, period {energy.period:.3g} s, {flux}"
         else:
             found[wave.family] = f"Hs {energy.height:.3g} m, Te {energy.period:.3g} s, {flux}"

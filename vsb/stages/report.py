@@ -25,12 +25,8 @@ from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.waves.kinds import (
     Irregular,
-    IrregularSea,
     PeakedSea,
     RegularWave,
-    SeaOfFile,
-    SpectralSea,
-    StillWater,
     Wave,
     jonswap_spectrum,
 )
@@ -191,7 +187,7 @@ def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
         whole = expected_sea(study, wave, found.database)
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
-    if study.needs_bem and isinstance(wave, IrregularSea):
+    if study.needs_bem and wave.irregular:
         response = found.response
         samples = {
             (d, label): irregular.sample(study, wave, d, run, waves, spectral, response, whole)
@@ -225,7 +221,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,
-        wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
+        wave_frequencies=tuple(wave.omega for wave in study.waves if not wave.still),
         periods={wave.label: _period(study, wave, found.response) for wave in study.waves},
         window=study.simulation.window,
         modes=found.modes,
@@ -263,7 +259,7 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
 
 def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
     """What knowledge of the waves is worth, by label of the seas with a figure of it."""
-    waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)}
+    waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if wave.irregular}
     drawn = [wave for name, wave in waves.items() if name in figure_names.of_study(found.study)]
     if not drawn:
         return {}
@@ -273,7 +269,7 @@ def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
 
 def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
     """Spectral density of each irregular sea, by its words, up to the highest frequency runs have components at."""
-    waves = [wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)]
+    waves = [wave for wave in study.drawn_waves if wave.irregular]
     if not waves:
         return xr.DataArray()
     omega = np.geomspace(0.5 * min(wave.reach[0] for wave in waves), highest, FREQUENCIES)
@@ -283,7 +279,7 @@ def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
 
 def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
     """Period of a sea, in still water of the slowest free motion [s]; 2 pi if nothing is restrained."""
-    if not isinstance(wave, StillWater):
+    if not wave.still:
         return 2 * np.pi / wave.omega
     if study.buoy and not study.needs_bem:
         return 2 * np.pi / study.buoy.heave_frequency  # without added mass
@@ -298,7 +294,7 @@ SEAS = 24
 
 def no_slider(study: AnyStudy) -> str:
     """Return why a reader cannot move the damping of a study on its page; empty if impedance and sea give its power."""
-    spread = any(isinstance(wave, SpectralSea) and wave.spreads for wave in study.waves)
+    spread = any(wave.spreads for wave in study.waves)
     reasons = (
         (study.plates, "drag takes power that depends on the amplitude"),
         (study.pto.spring_costs, "the spring loses reactive power"),
@@ -319,7 +315,7 @@ def interactive_study(
         return None
     pto, seen = study.pto, _Seen(study, floating_system(study, database))
     names = {waves[0].label: name for name, waves in families(study).items()}  # of irregular seas
-    moving = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
+    moving = (wave for wave in study.drawn_waves if not wave.still)
     waves = {names.get(wave.label, wave.label): wave for wave in itertools.islice(moving, SEAS)}
     if not waves:
         return None
@@ -384,15 +380,15 @@ def _sea(
     given = {design: study.pto.damper(design) for design in study.designs}
     within = {str(line["design"]): float(line["power"]) for line in limited if line["sea"] == name}
     squares, jonswap = None, None
-    if isinstance(wave, IrregularSea):
+    if wave.irregular:
         room = 2 * math.pi * MOST / (1.1 * highest * len(study.designs))  # longest run that a page has room for [s]
         duration = min(study.simulation.duration, room)
         omega, amplitude = wave.components(highest, duration)
         width = 2 * float(omega[0])
         kept = (omega >= known[0]) & (omega <= known[1])
         omega, squares = omega[kept], amplitude[kept] ** 2
-        if isinstance(wave, PeakedSea) and wave.jonswap_gamma is not None:
-            squares, jonswap = None, _jonswap(wave, wave.jonswap_gamma, width, known)
+        if (gamma := wave.jonswap_gamma) is not None:
+            squares, jonswap = None, _jonswap(wave, gamma, width, known)
     else:
         omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
     same = (i for i, (on, to) in enumerate(grids) if to == wave.direction and np.array_equal(on, omega))
@@ -457,9 +453,7 @@ def _seas(study: AnyStudy) -> dict[str, str]:
         return {wave.label: wave.description for wave in study.waves} | names
     pressure = study.buoy.hydro.pressure if study.buoy else None
     words = f"an assumed uniform pressure of {pressure:g} Pa and {{:g}} s period"
-    return {
-        w.label: w.description if isinstance(w, StillWater) else words.format(2 * np.pi / w.omega) for w in study.waves
-    }
+    return {w.label: w.description if w.still else words.format(2 * np.pi / w.omega) for w in study.waves}
 
 
 def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
@@ -471,7 +465,7 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
         hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
     printed = study.model_dump(exclude_none=True)
     for wave, sea in zip(printed["waves"], study.waves, strict=True):
-        if isinstance(sea, SeaOfFile):  # of records and spectra how much they hold
+        if sea.of_file:  # of records and spectra how much they hold
             wave["file"] = sea.file.size
     text = yaml.safe_dump(printed, sort_keys=False, default_flow_style=None, width=100)
     files = ", where checksums stand for the files" if CONTENTS in text else ""
@@ -491,7 +485,7 @@ def _inputs(stored: Inputs) -> str:
     """What the results rest on, each by its content."""
     study, plan = stored.study, stored.plan
     files = [f"study {plan.identity}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
-    files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if isinstance(wave, SeaOfFile)]
+    files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if wave.of_file]
     if study.buoy is None:
         given = getattr(study.body, study.body.kind)
         named = given.paths if isinstance(given, BodyFile) else {study.body.kind: given}
@@ -572,6 +566,6 @@ def _frames(stored: Inputs, wave: Wave, words: str, view: View, labels: Sequence
     runs = {design: stored.runs[design, wave.label].position for design in study.designs}
     sea = study_sea(study, wave, stored.database) if study.needs_bem else NO_WAVES
     moved = sea if sea.heading is None else NO_WAVES
-    period = study.simulation.duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
+    period = study.simulation.duration / PERIODS if wave.still else 2 * math.pi / wave.omega
     towards = math.radians(heading(wave))
     return frames_data(words, runs, moved, study.simulation.window, period, view, study.water, labels, towards)

@@ -8,7 +8,7 @@ from typing import Any
 
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import YEAR_HOURS
-from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import AnyPlan
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of
@@ -67,7 +67,7 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
     listed: set[str] = set()
     for wave in plan.study.waves:
         tuning, sea = plan.study.tuning(wave), _sea(wave)
-        if sea in listed or (found["equal_tuning"] and (isinstance(wave, StillWater) or tuning == "each")):
+        if sea in listed or (found["equal_tuning"] and (wave.still or tuning == "each")):
             continue
         listed.add(sea)
         for row in found["comparison"]:

@@ -14,7 +14,6 @@ from vsb.engine.motion.take_off import port_kind
 from vsb.engine.shell.deformed import DeformedShell, enclosed
 from vsb.engine.shell.modes import constraint_drift
 from vsb.engine.shell.orders import OrderBasis, enclosed_in_orders
-from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.engine.waves.sampling import relative_error
 from vsb.engine.waves.seas import FEW
 from vsb.errors import ConvergenceError, StabilityError
@@ -49,7 +48,7 @@ def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: st
     attrs |= {"seconds": sum(seconds), **made.notes, **stamp(spec, database, radiation)}
     if scene.water and len(waves.omega) > FEW:
         attrs["wave_sampling_error"] = relative_error(float(waves.omega.max()), spec.simulation.duration)
-    if isinstance(wave, RegularWave):
+    if wave.regular:
         attrs |= _steady(system) if not spec.pto.of_package else {"no_steady_state": "the law may depend on time"}
     if made.held.size:
         attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, made.held))
@@ -114,7 +113,7 @@ def _settled(system: System) -> dict[str, float | str]:
 
 def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
-    if not system.linear or isinstance(spec.waves[0], StillWater):
+    if not system.linear or spec.waves[0].still:
         return 0.0
     time = np.linspace(0.0, 1e4 * 2 * np.pi / spec.waves[0].omega, 20_001)
     start = system.scene.start(spec.simulation.initial_position, spec.simulation.initial_velocity)

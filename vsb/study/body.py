@@ -23,7 +23,7 @@ from vsb.engine.hydro.bodies.body_file import WAMIT, BodyFile
 from vsb.engine.hydro.variables import is_rigid
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.motion.take_off import DofPort, Pto
-from vsb.engine.waves.kinds import SpectralSea, StillWater, Wave, with_files
+from vsb.engine.waves.kinds import Wave, with_files
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Count, Finite, Name, Number, Positive, Section
@@ -236,7 +236,7 @@ class BodyStudy(Brief, BaseStudy):
     def _check_spreading(self) -> None:
         """A body's database holds waves of the directions it was solved in, and no others."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, SpectralSea) and wave.spreads:
+            if wave.spreads:
                 key = "spreading" if wave.spreading else "file"
                 raise ValueError(
                     f"waves.{i}.{key}: the database of a body holds the directions it was solved in, none between; "
@@ -274,12 +274,12 @@ class BodyStudy(Brief, BaseStudy):
     @property
     def directions(self) -> tuple[float, ...]:
         """Directions of the seas, each once [degrees]; 0 if there is none."""
-        found = dict.fromkeys(wave.direction for wave in self.waves if not isinstance(wave, StillWater))
+        found = dict.fromkeys(wave.direction for wave in self.waves if not wave.still)
         return tuple(found) or (0.0,)
 
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]."""
-        return 2 * math.pi / _SHORTEST if isinstance(wave, StillWater) else wave.fastest
+        return 2 * math.pi / _SHORTEST if wave.still else wave.fastest
 
 
 AnyStudy = Annotated[

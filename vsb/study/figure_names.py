@@ -6,7 +6,6 @@
 from collections.abc import Iterable
 
 from vsb.engine.motion.take_off import port_kind
-from vsb.engine.waves.kinds import IrregularSea
 from vsb.study.resolution import no_witness
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
@@ -56,7 +55,7 @@ def _of_knowledge(study: BaseStudy) -> list[str]:
     """Names of figures of causal control, of each irregular sea; with one port, and without drag."""
     if not study.needs_bem or study.pto.several or study.plates:
         return []
-    return [f"forecast-{wave.label}" for wave in study.drawn_waves if isinstance(wave, IrregularSea)]
+    return [f"forecast-{wave.label}" for wave in study.drawn_waves if wave.irregular]
 
 
 def _in_seas(study: BaseStudy, names: Iterable[str]) -> list[str]:

@@ -14,7 +14,6 @@ from vsb.engine.motion.take_off import (
     ShellPort,
     StrainPort,
 )
-from vsb.engine.waves.kinds import IrregularSea, RegularWave, SeaOfFile
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
 from vsb.study.sections import DEGREES, Modes
@@ -241,14 +240,14 @@ class HydroPlan:
                 + ("raise it" if self.least_band < largest else "set hydro.solver: panels")
             )
         for i, wave in enumerate(self.study.waves):
-            if isinstance(wave, RegularWave) and wave.omega < self.first_omega:
+            if wave.regular and wave.omega < self.first_omega:
                 longest = 2 * math.pi / self.first_omega
                 raise ConfigError(
                     f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
                 )
-            if isinstance(wave, SeaOfFile):
+            if wave.of_file:
                 wave.check_band(self.first_omega, self.study.hydro.omega_max, f"waves.{i}.file")
-            elif isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
+            elif wave.irregular and wave.reach[0] < self.first_omega:
                 raise ConfigError(
                     f"waves.{i}: received {wave.label}, from {wave.reach[0]:.4g} rad/s on; needs at least "
                     f"{self.first_omega:.4g} rad/s, the lowest solved"

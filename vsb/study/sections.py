@@ -11,7 +11,6 @@ from pydantic import AfterValidator, BeforeValidator, Field, field_validator, mo
 
 from vsb.engine.motion.take_off import LinePort, Pto
 from vsb.engine.shell.device import Basis, Shape, cap_volume
-from vsb.engine.shell.material import Hookean
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import OR_AUTO, Colatitude, Count, Finite, Name, NonNegative, Number, Positive, Section, within
@@ -382,7 +381,7 @@ def check_shape(study: Any) -> None:
         )
     if study.flexible and study.modes.degree == 0:
         raise ValueError("modes.degree 0: device.shape needs at least 1")
-    if study.reference_shape == "equilibrium" and not isinstance(device.material, Hookean):
+    if study.reference_shape == "equilibrium" and device.material.rubber:
         raise ValueError(
             "reference_shape 'equilibrium': wrinkles of rubber are known of the sphere alone; device.shape with a "
             "material of rubber needs undeformed"

@@ -25,16 +25,9 @@ from vsb.engine.shell.device import (
     waterline_radius,
     with_points,
 )
-from vsb.engine.shell.material import Hookean
 from vsb.engine.waves.kinds import (
     IrregularSea,
-    RecordedSea,
-    SpectralSea,
-    StillWater,
-    Tma,
-    Travelling,
     Wave,
-    WhiteNoise,
     with_files,
 )
 from vsb.engine.waves.water import Water
@@ -125,7 +118,7 @@ class BaseStudy(WithDesigns):
         """Seas of several realisations become as many seas, of seeds one after the other."""
         seas: list[Wave] = []
         for wave in value:
-            if isinstance(wave, SpectralSea):
+            if wave.drawn:
                 seeds = range(wave.seed, wave.seed + wave.realisations)
                 seas += [wave.model_copy(update={"seed": seed, "realisations": 1}) for seed in seeds]
             else:
@@ -139,7 +132,7 @@ class BaseStudy(WithDesigns):
             return self
         families: dict[str, list[IrregularSea]] = {}
         for wave in self.waves:
-            if isinstance(wave, IrregularSea):
+            if wave.irregular:
                 families.setdefault(wave.family, []).append(wave)
         start, end = self.simulation.window
         for some in families.values():
@@ -147,7 +140,7 @@ class BaseStudy(WithDesigns):
             last = begin + math.ceil(FEWEST_BATCHES / len(some)) * some[0].memory
             if last > end:
                 start, end = begin, last
-        lengths = [wave.file.length for wave in self.waves if isinstance(wave, RecordedSea)]
+        lengths = [wave.file.length for wave in self.waves if wave.recorded]
         end = min(end, *lengths) if lengths else end
         if start < end:
             settings = self.simulation.model_copy(update={"duration": end, "window": (start, end)})
@@ -168,7 +161,7 @@ class BaseStudy(WithDesigns):
     def check_records(self) -> None:
         """Check that no run is longer than the record of its sea; `ValueError`."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, RecordedSea) and self.simulation.duration > wave.file.length * (1 + 1e-9):
+            if wave.recorded and self.simulation.duration > wave.file.length * (1 + 1e-9):
                 raise ValueError(
                     f"simulation.duration {self.simulation.duration:g} s: is longer than the record waves.{i}; needs "
                     f"at most {wave.file.length:.6g} s"
@@ -177,18 +170,13 @@ class BaseStudy(WithDesigns):
     def check_control(self) -> None:
         """Check that a causal controller has seas that it does not know beforehand; `ValueError`."""
         for i, wave in enumerate(self.waves):
-            if self.pto.law == "causal" and not isinstance(wave, IrregularSea):
+            if self.pto.law == "causal" and not wave.irregular:
                 raise ValueError(f"pto.law 'causal': controls in irregular seas alone, received waves.{i} {wave.label}")
 
     def check_depths(self) -> None:
         """Check that seas of a finite depth are in water of that depth and gravity; `ValueError`."""
         for i, wave in enumerate(self.waves):
-            for key, unit in (("depth", "m"), ("gravity", "m/s^2")):
-                if isinstance(wave, Tma) and (given := getattr(wave, key)) != (here := getattr(self.water, key)):
-                    raise ValueError(
-                        f"waves.{i}.{key} {given:g} {unit}: is that of another water; needs water.{key}, here "
-                        f"{here:g} {unit}"
-                    )
+            wave.check_water(self.water, f"waves.{i}")
 
     def check_dampers_of_designs(self) -> None:
         """Check that dampers given one by one are those of the designs; `ValueError`."""
@@ -248,7 +236,7 @@ class BaseStudy(WithDesigns):
 
     def tuning(self, wave: Wave) -> Tuning:
         """Return how the damping of a run is found; still water has no optimum, there it is the given one."""
-        alone = isinstance(wave, StillWater) and (self.pto.tuning == "each" or not self.one_of_each_sea)
+        alone = wave.still and (self.pto.tuning == "each" or not self.one_of_each_sea)
         return "fixed" if alone else self.pto.tuning
 
     def check_dampers(self) -> None:
@@ -263,7 +251,7 @@ class BaseStudy(WithDesigns):
     @property
     def one_of_each_sea(self) -> tuple[Wave, ...]:
         """The seas one damper is to suit: of several realisations the first, still water left out."""
-        return tuple(wave for wave in self.drawn_waves if not isinstance(wave, StillWater))
+        return tuple(wave for wave in self.drawn_waves if not wave.still)
 
     @property
     def drawn_waves(self) -> tuple[Wave, ...]:
@@ -274,7 +262,7 @@ class BaseStudy(WithDesigns):
     @property
     def has_spectra(self) -> bool:
         """Whether any of the seas is irregular."""
-        return any(isinstance(wave, IrregularSea) for wave in self.waves)
+        return any(wave.irregular for wave in self.waves)
 
 
 def check_all(*checks: Callable[[], None]) -> None:
@@ -385,14 +373,12 @@ class Study(Buoy, BaseStudy):
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, Travelling):
+            if not wave.still:
                 check_heading(self, wave.direction, f"waves.{i}")
-            if isinstance(wave, SpectralSea) and wave.spreads:
+            if wave.spreads:
                 check_spreading(self, f"waves.{i}.{'spreading' if wave.spreading else 'file'}")
-            if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
-                highest = self.hydro.omega_max
-                raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
-            if self.needs_bem and not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
+            wave.check_below(self.hydro.omega_max, f"waves.{i}")
+            if self.needs_bem and not wave.still and wave.omega > self.hydro.omega_max:
                 shortest = 2 * math.pi / self.hydro.omega_max
                 raise ValueError(
                     f"waves.{i} {wave.label}: the wave is too short for the mesh and band solved; "
@@ -409,7 +395,7 @@ class Study(Buoy, BaseStudy):
     def _check_model(self) -> None:
         """Seas, method and published designs must suit the hydrodynamic model."""
         model, method = self.hydro.model, self.simulation.method
-        if model == "assumed_pressure" and any(isinstance(wave, IrregularSea) for wave in self.waves):
+        if model == "assumed_pressure" and any(wave.irregular for wave in self.waves):
             raise ValueError(
                 "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the irregular seas"
             )
@@ -440,7 +426,7 @@ class Study(Buoy, BaseStudy):
         suitable = {"linear": ("auto", "exact", "convolution"), "auto": ("auto",)}.get(model, ("auto", "exponential"))
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
-        if self.flexible and not isinstance(self.device.material, Hookean):
+        if self.flexible and self.device.material.rubber:
             check_rubber(model, method, self.pto)
         self.check_published()
 
@@ -534,7 +520,7 @@ class Study(Buoy, BaseStudy):
                     f"{most / RECORDS_PER_PERIOD * period:.4g} s in waves.{i} {wave.label}, whose fastest motion takes "
                     f"{period:.3g} s, because {reason}"
                 )
-            slowest = 2 * math.pi / (self.heave_frequency if isinstance(wave, StillWater) else wave.omega)
+            slowest = 2 * math.pi / (self.heave_frequency if wave.still else wave.omega)
             if end - start < LEAST_WINDOW * slowest:
                 raise ConfigError(
                     f"simulation.window: received {list(self.simulation.window)} s, needs to be at least "
@@ -576,7 +562,7 @@ class Study(Buoy, BaseStudy):
 
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]; in still water that of heave."""
-        if isinstance(wave, StillWater):
+        if wave.still:
             return self.heave_frequency
         return min(wave.fastest, self.hydro.omega_max) if self.needs_bem else max(wave.omega, self.heave_frequency)
 
@@ -650,7 +636,7 @@ def _ranges(study: Study) -> Iterator[tuple[str, float, str, float, float]]:
     yield ("water.density", water.density, "kg/m^3", 500.0, 2e4)
     if study.flexible:
         yield ("device.density", device.density, "kg/m^3", 20.0, 2.5e4)
-        if isinstance(device.material, Hookean):
+        if not device.material.rubber:
             yield ("device.young_modulus", device.young_modulus, "Pa", 1e3, 2e12)
         for name in ("mu", "c1", "c2"):
             if (modulus := getattr(device.material, name, None)) is not None:

@@ -239,13 +239,13 @@ class Device(Section):
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Say what a file says: Hooke's law by its moduli, rubber by its law."""
         said: dict[str, Any] = dump(self)
-        for key in ("material",) if isinstance(self.material, Hookean) else ("young_modulus", "poisson_ratio"):
+        for key in ("young_modulus", "poisson_ratio") if self.material.rubber else ("material",):
             said.pop(key, None)
         return said
 
     @model_validator(mode="after")
     def _changes_volume(self) -> Self:
-        if isinstance(self.material, Hookean) and self.poisson_ratio == 0.5:
+        if not self.material.rubber and self.poisson_ratio == 0.5:
             raise ValueError("poisson_ratio 0.5: needs less than 0.5, or a material of rubber")
         return self
 

@@ -22,7 +22,7 @@ from vsb.engine.waves.seas import SpectralSea as SpectralSea
 from vsb.engine.waves.seas import StillWater as StillWater
 from vsb.engine.waves.seas import Travelling as Travelling
 from vsb.engine.waves.spectrum_table import TabulatedSea, read_spectrum
-from vsb.engine.waves.water import wavenumbers
+from vsb.engine.waves.water import Water, wavenumbers
 from vsb.keys.meanings import Key
 from vsb.keys.quantities import Number, Positive, Section, within
 from vsb.keys.schema import Located
@@ -165,6 +165,17 @@ class Tma(Jonswap):
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
         return tma_spectrum(omega, self.hs, self.tp, self.gamma, self.depth, self.gravity)
 
+    def check_water(self, water: Water, where: str) -> None:
+        """Check that the sea is one of this water; raises `ValueError`."""
+        for key, given, here, unit in (
+            ("depth", self.depth, water.depth, "m"),
+            ("gravity", self.gravity, water.gravity, "m/s^2"),
+        ):
+            if given != here:
+                raise ValueError(
+                    f"{where}.{key} {given:g} {unit}: is that of another water; needs water.{key}, here {here:g} {unit}"
+                )
+
 
 class PiersonMoskowitz(PeakedSea):
     """Fully developed sea of Pierson and Moskowitz."""
@@ -197,6 +208,7 @@ class WhiteNoise(SpectralSea):
         "kind": Key("", "white_noise", "constant spectral density over a band"),
         "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
     }
+    even_components: ClassVar[bool] = False
     kind: Literal["white_noise"]
     hs: Height
     band: tuple[Positive, Positive]
@@ -267,6 +279,11 @@ class WhiteNoise(SpectralSea):
     def share_above(self, omega: float) -> float:
         """Return the share of the sea's energy above a frequency [rad/s]."""
         return 1.0 - self.share_below(omega)
+
+    def check_below(self, omega_max: float, where: str) -> None:
+        """Check that the band ends below a frequency [rad/s]; raises `ValueError`."""
+        if self.band[1] > omega_max:
+            raise ValueError(f"{where}.band {list(self.band)} rad/s: needs at most hydro.omega_max = {omega_max:g}")
 
     def components(self, omega_max: float, duration: float, omega_min: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return components within the band, whatever the highest frequency."""

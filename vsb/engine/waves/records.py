@@ -546,6 +546,7 @@ class RecordedSea(SeaOfFile):
     }
     drawn: ClassVar[Literal[False]] = False
     recorded: ClassVar[Literal[True]] = True
+    even_components: ClassVar[bool] = False
     kind: Literal["record"]
     repair: tuple[Repairable, ...] = Field((), exclude=True)
     accept: tuple[Acceptable, ...] = Field((), exclude=True)

@@ -176,6 +176,12 @@ class BaseWave(Section):
         """How the file of the sea was read, and what was left out."""
         return ()
 
+    def check_water(self, water: Water, where: str) -> None:
+        """Check that the sea is one of this water; raises `ValueError`."""
+
+    def check_below(self, omega_max: float, where: str) -> None:
+        """Check that the sea ends below a frequency [rad/s], if it has an end; raises `ValueError`."""
+
     @abstractmethod
     def realisation(self, omega_max: float = math.inf, duration: float = 0.0) -> Sea:
         """Return its regular components up to a frequency [rad/s], which do not repeat within a run [s]."""
@@ -328,6 +334,7 @@ class IrregularSea(Travelling):
 
     irregular: ClassVar[Literal[True]] = True
     regular: ClassVar[Literal[False]] = False
+    even_components: ClassVar[bool] = True  # odd multiples of half their spacing, at one density each
     if TYPE_CHECKING:
         kind: str
         hs: float  # significant height [m]
@@ -554,7 +561,7 @@ class SpectralSea(Brief, IrregularSea):
     def angles_at(self, omega: FloatArray, part: FloatArray, random: np.random.Generator) -> FloatArray:
         """Return the angles from `direction` of parts of a spread sea at frequencies, shape (omega,) [degrees]."""
         assert self.spreading is not None
-        return np.array(self.spreading.angles)[part]
+        return np.asarray(np.array(self.spreading.angles)[part])
 
     def headings(self, omega: FloatArray) -> FloatArray | None:
         """Return the direction of each component of a spread sea, (omega,) [degrees]; None of a long-crested one.
