@@ -21,8 +21,8 @@ from typing import NamedTuple
 import yaml
 
 from vsb.errors import VsbError
+from vsb.tools.commands import HOME
 from vsb.tools.packed import packs
-from vsb.tools.shipped import HOME
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scancel", "sinfo")
 ADMIN = "/usr/sbin"

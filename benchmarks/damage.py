@@ -24,8 +24,8 @@ from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
 from vsb.study.study import load
+from vsb.tools.commands import HOME
 from vsb.tools.files import read_groups, write_text
-from vsb.tools.shipped import HOME
 
 FEW_MODES = HOME / "config" / "few_modes.yaml"
 STUDY = "small.yaml"

@@ -25,7 +25,7 @@ from vsb.pipeline.graph import StudyPlan
 from vsb.stages import preview
 from vsb.stages.make import make
 from vsb.study.study import Study, load
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 Raw = dict[str, Any]
 FEW_MODES = HOME / "config" / "few_modes.yaml"

@@ -18,7 +18,7 @@ from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.study import Study
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 
 def test_merged_mappings_are_not_duplicate_keys(written):

@@ -19,7 +19,7 @@ from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.study import Study, unlikely_units
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 
 def with_units(model, raw, place=()):

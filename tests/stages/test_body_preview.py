@@ -27,7 +27,7 @@ from vsb.pipeline.plans import plan_of
 from vsb.stages.body_preview import check, check_wave, drifting_motions, held_still, solved_lines, solving_seconds
 from vsb.stages.coefficients import finely_solved
 from vsb.study.body import BodyStudy, located
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 
 def test_check_summarises_a_body_study(finished, workplace, capsys):

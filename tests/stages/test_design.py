@@ -47,8 +47,8 @@ from vsb.stages.stage import run_task
 from vsb.study.campaign import study_at
 from vsb.study.design import PARTS, load_design
 from vsb.study.study import load as load_study
+from vsb.tools.commands import HOME
 from vsb.tools.files import attributes
-from vsb.tools.shipped import HOME
 
 STUDY = {
     "study": "shell",

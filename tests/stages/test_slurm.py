@@ -11,7 +11,7 @@ from vsb.pipeline.plans import plan_of
 from vsb.stages import slurm
 from vsb.stages.run import ended
 from vsb.study.study import parse
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 SEED = HOME / "tests" / "data" / "seed.yaml"
 PROFILE = yaml.safe_load((HOME / "profiles" / "slurm" / "config.yaml").read_text())

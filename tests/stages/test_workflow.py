@@ -33,7 +33,7 @@ from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
 from vsb.tools.files import load, read_groups
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"

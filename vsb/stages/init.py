@@ -14,8 +14,8 @@ from vsb.study.campaign import read
 from vsb.study.design import read as read_design
 from vsb.study.study import load, parse
 from vsb.study.vary import powers
+from vsb.tools.commands import HOME
 from vsb.tools.files import write_text
-from vsb.tools.shipped import HOME
 
 EXAMPLE, BODY, CAMPAIGN, DESIGN = (HOME / "config" / f"{name}.yaml" for name in ("buoy", "float", "year", "best_buoy"))
 BODY_CAMPAIGN = HOME / "config" / "float_year.yaml"

@@ -30,8 +30,7 @@ from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.make import Progress, best_so_far, failed, followed, log_path, make_each
 from vsb.stages.stage import exclusive_lock, shared_lock
-from vsb.tools.commands import long_options
-from vsb.tools.shipped import HOME
+from vsb.tools.commands import HOME, long_options
 from vsb.tools.words import shortened
 
 Follow = Callable[[Iterable[str]], None]

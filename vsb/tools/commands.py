@@ -1,7 +1,12 @@
-"""Commands of a command line and their options, from its parser."""
+"""What a command line needs: its commands and their options, and what the package brings along."""
 
 import argparse
 from collections.abc import Mapping
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+HOME = next((home for home in (_PACKAGE, _PACKAGE.parent) if (home / "workflow" / "Snakefile").is_file()), _PACKAGE)
+"""Folder of `workflow`, `profiles` and `config`: a wheel holds them inside the package, a checkout beside it."""
 
 
 def commands(parser: argparse.ArgumentParser) -> Mapping[str, argparse.ArgumentParser]:
