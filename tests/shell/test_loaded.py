@@ -318,9 +318,6 @@ def test_trapped_gas_loses_pressure_as_the_shell_expands(pressure):
     assert weightless(complete(6), pressure).pressure_inside == pressure
 
 
-# other sizes
-
-
 # other rest shapes than the sphere ----------------------------------------------------------------------------------
 
 
@@ -403,11 +400,6 @@ def test_pressure_that_carries_a_spheroid_counts_its_lobes(seed):
     assert with_lobes(complete_shell(device, height, seed.water, pressure)).load_factor == pytest.approx(1.0, rel=1e-5)
 
 
-@pytest.fixture(scope="module")
-def elastic(seed):
-    return ElasticShell(mode_basis(seed.device, "membrane", 6))
-
-
 @pytest.mark.parametrize(
     "meridian", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 1.0)], ids=["flat", "long", "capsule"]
 )
@@ -443,25 +435,3 @@ def test_geometric_stiffness_is_the_work_of_membrane_forces_on_second_order_stra
     for q in 0.1 * random.normal(size=(5, len(elastic.basis.labels))):
         assert work(q) + work(-q) == pytest.approx(q @ stiffness @ q, rel=1e-10)
     np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-12 * np.abs(stiffness).max())
-
-
-@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
-def test_force_stiffness_and_volume_derivatives_match_differences(meridian):
-    shell = Shell(2.0, 0.05, 1e7, 0.3, 2700.0, meridian)
-    elastic = ElasticShell(ModeBasis(shell, shell_modes(shell, "full", 3), 1e4, bending=True))
-    count, step = len(elastic.basis.labels), 1e-4
-    q = 0.08 * np.cos(1.7 * np.arange(count) + 0.4)
-
-    def slope(function):
-        return np.array([(function(q + step * e) - function(q - step * e)) / (2 * step) for e in np.eye(count)])
-
-    for found, expected in (
-        (elastic.force(q), -slope(elastic.energy)),
-        (elastic.stiffness(q), -slope(elastic.force)),
-        (elastic.volume_gradient(q), slope(elastic.volume)),
-        (elastic.volume_hessian(q), slope(elastic.volume_gradient)),
-    ):
-        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
-    strains = elastic.deformation(q)
-    work = np.sum(strains * shell.wall.resultants(strains), axis=0) @ elastic.rings[1] / 2
-    assert elastic.energy(q) == pytest.approx(work, rel=1e-12)

@@ -165,17 +165,13 @@ MOST = 2 * MU * THICKNESS / RADIUS * (7 ** (-1 / 6) - 7 ** (-7 / 6))
 """Largest pressure in a neo-Hookean sphere [Pa]."""
 
 
-def shell_of(law, thickness=THICKNESS):
-    return Shell(RADIUS, thickness, law.young_modulus, law.poisson_ratio, 1100.0, None, law)
-
-
 def balloon(law, pressure, gas=None, degree=3):
     """A shell without water and weight."""
-    return LoadedShell(ElasticShell(complete_basis(shell_of(law), degree, 1e4)), 0.0, 0.0, 0.0, pressure, gas)
+    return LoadedShell(ElasticShell(complete_basis(rubber_shell(law), degree, 1e4)), 0.0, 0.0, 0.0, pressure, gas)
 
 
 def buoy(law, pressure, degree=6, thickness=THICKNESS, gas=None):
-    elastic = ElasticShell(complete_basis(shell_of(law, thickness), degree, 17170.0))
+    elastic = ElasticShell(complete_basis(rubber_shell(law, thickness=thickness), degree, 17170.0))
     return LoadedShell(elastic, 0.0, 1025.0, 9.81, pressure, gas)
 
 
@@ -234,18 +230,6 @@ def test_gent_stays_below_its_lock_up_under_any_pressure():
     assert inflated(stretch) * 3.0 / left == pytest.approx(20 * MOST, rel=1e-7)
 
 
-@pytest.mark.parametrize("law", [NeoHookeanLaw(1e6), MooneyRivlinLaw(4e5, 1e5), GentLaw(1e6, 20.0)])
-def test_a_buoy_rests_where_its_forces_balance_and_its_stiffness_is_their_slope(law):
-    loaded = buoy(law, 25e3)
-    q, step = equilibrium(loaded), 1e-5
-    force, stiffness = loaded.force_and_stiffness(q)
-    scale = loaded.gravity * loaded.basis.total_mass
-    assert np.abs(force).max() < 1e-9 * scale
-    assert q[1] > 0.05 * RADIUS  # not small
-    slope = [(loaded.force(q - step * e) - loaded.force(q + step * e)) / (2 * step) for e in np.eye(len(q))]
-    np.testing.assert_allclose(stiffness, slope, atol=1e-7 * np.abs(stiffness).max())
-
-
 @pytest.mark.parametrize(
     ("law", "slopes", "degree", "error"),
     [
@@ -259,7 +243,11 @@ def test_a_floating_balloon_is_that_of_membrane_equations_by_shooting(law, slope
     """A wall of a millimetre bends freely; what is left goes with the degree, for pressure has a kink at the water."""
     mass, thickness, pressure = membrane.WATER * 2 / 3 * np.pi * RADIUS**3, 1e-3, 24e3
     loaded = LoadedShell(
-        ElasticShell(complete_basis(shell_of(law, thickness), degree, mass)), 0.0, membrane.WATER, 9.81, pressure
+        ElasticShell(complete_basis(rubber_shell(law, thickness=thickness), degree, mass)),
+        0.0,
+        membrane.WATER,
+        9.81,
+        pressure,
     )
     shape = DeformedShell(loaded.basis, 0.0, equilibrium(loaded))
     poles, phi = shape.meridian(np.array([1e-9, np.pi - 1e-9])), np.linspace(0.05, np.pi - 0.05, 61)
@@ -345,7 +333,7 @@ def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law, kind):
     if kind == "near lock-up":
         moduli, pressure = (mu / 3, random.uniform(0.5, 0.6)), random.uniform(45e3, 60e3)
     pressure *= 3.0 if kind == "gas" else 1.0
-    shell, gas = shell_of(of(*moduli), thickness), GAS if kind == "gas" else None
+    shell, gas = rubber_shell(of(*moduli), thickness=thickness), GAS if kind == "gas" else None
     loaded = buoy(shell.law, pressure, degree, thickness, gas)
     free = ring_held(random.uniform(40.0, 140.0), degree) if kind == "held" else np.eye(2 * degree + 1)
     inside = trapped(pressure) if gas else constant(pressure)

@@ -327,8 +327,6 @@ SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spe
 HEADER = "YY MM DD hh   .050   .100   .150\n"
 ROWS = "96 01 01 00   1.00   2.00   0.50\n96 01 01 01   1.50   2.50   0.25\n"
 TEXT = HEADER + ROWS
-DENSITY_NDBC = np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]])
-"""Of the two records, per hertz [m^2/Hz]."""
 
 
 def test_shipped_year():
@@ -360,7 +358,7 @@ def test_shipped_year():
     ids=["four-digit years", "minutes", "Windows", "comments", "packed", "repeated", "missing and calm", "data_spec"],
 )
 def test_text_layouts(written, text):
-    assert read_ndbc(written(text)).density * 2 * np.pi == pytest.approx(DENSITY_NDBC, rel=1e-14)
+    assert read_ndbc(written(text)).density * 2 * np.pi == pytest.approx(DENSITY, rel=1e-14)
 
 
 def test_records_left_out_are_noted(written):

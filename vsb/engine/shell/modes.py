@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import eigh, svd
+from scipy.linalg import block_diag, eigh, svd
 from scipy.optimize import minimize_scalar
 
 from vsb.engine.shell.device import Basis, Device
 from vsb.engine.shell.rings import AttachmentModes, RingModes
 from vsb.engine.shell.ritz import (
+    Strains,
     bending_block,
     legendre,
     mass_block,
@@ -247,13 +248,18 @@ class ModeBasis:
             (radial, meridional), (p, dp, ddp) = self.shares, tables
             return radial @ p, meridional @ dp, radial @ dp, meridional @ ddp
         p, dp, ddp = (table[list(self.degrees)] for table in tables)
-        radial, meridional = self._amplitudes
+        radial, meridional = self.amplitudes
         return radial * p, meridional * dp, radial * dp, meridional * ddp
 
     @cached_property
-    def _amplitudes(self) -> FloatArray:
+    def amplitudes(self) -> FloatArray:
         """Radial and meridional amplitude of each shape, shape (2, dof, 1) [-]."""
         return np.array([[mode.radial, mode.meridional] for mode in self.shapes]).T[:, :, None]
+
+    def meridian_strains(self, colatitude: FloatArray) -> Strains:
+        """Return the strains of the displacements of `vsb.engine.shell.ritz` between the poles of another meridian."""
+        assert self.shell.rest is not None
+        return strains(self.shell.rest, colatitude, of_degrees(self.highest_degree, colatitude))
 
     def clamp_rows(self, colatitudes: Iterable[float]) -> FloatArray:
         """Return the constraint matrix Phi_c with Phi_c q = 0, shape (2 * clamp, dof) [-].
@@ -300,14 +306,15 @@ class ModeBasis:
 @lru_cache(maxsize=64)
 def _allowed(basis: ModeBasis, colatitudes: tuple[float, ...]) -> FloatArray:
     """The motions clamps allow."""
-    rows = basis.clamp_rows(colatitudes)[:, 1:]
-    _, _, vt = svd(rows, full_matrices=True)
-    rank = check_rank(rows)
-    free = np.zeros((len(basis.labels), vt.shape[0] - rank + 1))
-    free[0, 0] = 1.0
-    free[1:, 1:] = vt[rank:].T
+    free = np.asarray(block_diag(1.0, null_space(basis.clamp_rows(colatitudes)[:, 1:])))
     free.setflags(write=False)
     return free
+
+
+def null_space(rows: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of what constraints allow, shape (dof, free); raises as of `check_rank`."""
+    _, _, vt = svd(rows, full_matrices=True)
+    return np.asarray(vt[check_rank(rows) :].T)
 
 
 def check_rank(rows: FloatArray) -> int:
@@ -349,13 +356,6 @@ def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
     return float(np.abs(positions @ rows.T).max(initial=0.0))
 
 
-def _branches(shell: Shell, degree: int) -> FloatArray:
-    """Eigenvectors (V, U) of the complete shell of one degree >= 1; columns lower, upper branch."""
-    stiffness = membrane_block(shell, degree) + bending_block(shell, degree)
-    vectors: FloatArray = eigh(stiffness, mass_block(shell, degree))[1]
-    return vectors
-
-
 def paper_ratio(shell: Shell, degree: int) -> float:
     """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
 
@@ -375,7 +375,8 @@ def _degree_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
         return (Mode("Membrane0", 0, 1.0, 0.0),)
     if basis == "paper":
         return (scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0),)
-    lower, upper = _branches(shell, degree).T
+    stiffness = membrane_block(shell, degree) + bending_block(shell, degree)
+    lower, upper = eigh(stiffness, mass_block(shell, degree))[1].T  # (V, U) of both branches of the complete shell
     membrane = scaled(f"Membrane{degree}", degree, *upper)
     if basis == "membrane" or degree == 1:  # the lower branch of n = 1 is rigid heave (C4)
         return (membrane,)
@@ -432,13 +433,10 @@ def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray,
     another meridian, between its poles, those of `vsb.engine.shell.ritz`.
     """
     if basis.shell.rest is not None:
-        found, shapes = (
-            strains(basis.shell.rest, colatitude, of_degrees(basis.highest_degree, colatitude)),
-            basis.displacements,
-        )
+        found, shapes = basis.meridian_strains(colatitude), basis.displacements
         return shapes @ found.meridional, shapes @ found.hoop, shapes @ found.rotation
     p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
-    radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
+    radial, meridional = basis.amplitudes
     n, r = np.array(basis.degrees)[:, None], basis.shell.radius
     hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
     return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r
@@ -451,12 +449,9 @@ def curvature_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArr
     another meridian, between its poles, those of `vsb.engine.shell.ritz`.
     """
     if basis.shell.rest is not None:
-        found, shapes = (
-            strains(basis.shell.rest, colatitude, of_degrees(basis.highest_degree, colatitude)),
-            basis.displacements,
-        )
+        found, shapes = basis.meridian_strains(colatitude), basis.displacements
         return shapes @ found.meridional_bending, shapes @ found.hoop_bending
     p, _, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
     n, r = np.array(basis.degrees)[:, None], basis.shell.radius
-    turned = np.array([[mode.radial - mode.meridional] for mode in basis.shapes]) / r**2
+    turned = np.subtract(*basis.amplitudes) / r**2
     return -turned * ddp, turned * (n * (n + 1) * p + ddp)

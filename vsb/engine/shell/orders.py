@@ -25,7 +25,7 @@ from math import factorial, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag, svd
+from scipy.linalg import block_diag
 from scipy.special import eval_gegenbauer, factorial2
 
 from vsb.engine.shell.device import Device
@@ -35,9 +35,9 @@ from vsb.engine.shell.modes import (
     SAME,
     Mode,
     ModeBasis,
-    check_rank,
     largest_along,
     mass_of,
+    null_space,
     stiffness_of,
     strain_shapes,
 )
@@ -363,11 +363,7 @@ class OrderBasis:
         if not (rows.size and rows.any()):
             at_rest = len(self.rings.labels) if self.rings and not loaded else 0
             return np.eye(len(self.labels), len(self.labels) - at_rest)
-        _, _, vt = svd(rows, full_matrices=True)
-        held = check_rank(rows)
-        free = np.eye(len(self.labels), self.rigid + len(vt) - held)
-        free[self.rigid :, self.rigid :] = vt[held:].T
-        return free
+        return np.asarray(block_diag(np.eye(self.rigid), null_space(rows)))
 
 
 @dataclass(frozen=True)
