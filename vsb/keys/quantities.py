@@ -76,12 +76,6 @@ OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {
 """JSON schema of a number that follows from the size of the buoy if it is not given."""
 
 
-def mass_or_draft(schema: dict[str, Any]) -> None:
-    """Tell editors that a draft may stand for a mass, or nothing."""
-    schema["required"].remove("mass")
-    schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
-
-
 class _Reported(ModelMetaclass):
     """Reports wrong values of a section made in Python as those of a file are: one line each, as `ConfigError`."""
 

@@ -278,10 +278,11 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         return model.model_validate(given)
     except ValidationError as error:
         found = _without_misspelt(_ordered(error), given, model)
-        lines = [
-            f"{source}{_line_of(one, given)}: {_message(one, error.title, given, model)}{_guess(one, given, model)}"
-            for one in found[:MOST_REPORTED]
-        ]
+        lines = []
+        for one in found[:MOST_REPORTED]:
+            line = given.line(_place_of(one, given)) if isinstance(given, Located) else None
+            place = source if line is None else f"{source}:{line}"
+            lines.append(f"{place}: {_message(one, error.title, given, model)}{_guess(one, given, model)}")
         rest = len(found) - len(lines)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
         raise ConfigError(lines[0] + _more(found), [*lines, *last]) from None
@@ -300,7 +301,11 @@ def lines_of(error: ValidationError, raw: object, model: type[BaseModel]) -> lis
 
 def _ordered(error: ValidationError) -> list[ErrorDetails]:
     """All errors, misspelt keys first; a check across sections may report several, a line each."""
-    found = [cast(ErrorDetails, {**one, "msg": text}) for one in error.errors() for text in _lines(one)]
+    found = []
+    for one in error.errors():
+        text = one["msg"].removeprefix("Value error, ")  # only messages of this project have several lines
+        lines = text.splitlines() if one["type"] == "value_error" else [text]
+        found += [cast(ErrorDetails, {**one, "msg": line}) for line in lines]
     inner = {one["loc"][:n] for one in found for n in range(len(one["loc"]))}
     found = [one for one in found if one["type"] != "too_short" or one["loc"] not in inner]  # not of wrong items
     return sorted(found, key=lambda one: one["type"] != "extra_forbidden")
@@ -317,21 +322,9 @@ def _without_misspelt(found: list[ErrorDetails], raw: object, model: type[BaseMo
     return [one for one in found if one["type"] != "missing" or one["loc"] not in meant]
 
 
-def _lines(error: ErrorDetails) -> list[str]:
-    """Lines of an error; only messages of this project have several."""
-    text = error["msg"].removeprefix("Value error, ")
-    return text.splitlines() if error["type"] == "value_error" else [text]
-
-
 def _more(found: Sequence[object]) -> str:
     """How many there are beside the first."""
     return f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-
-
-def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
-    """The line a mistake stands in, as it follows a file's name."""
-    line = raw.line(_place_of(error, raw)) if isinstance(raw, Located) else None
-    return "" if line is None else f":{line}"
 
 
 def _place_of(error: ErrorDetails, raw: dict[str, Any]) -> Place:
@@ -392,15 +385,10 @@ def _inside(raw: object, part: str | int) -> tuple[object] | None:
 def _message(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
     """An error in one line: key, value received, what is needed."""
     place = _written(error, raw)
-    key = shortened(".".join(map(str, place))) or _in_words(title)
+    key = shortened(".".join(map(str, place))) or re.sub(r"(?<=[a-z])(?=[A-Z])", " ", title).lower()  # body study
     given = "nothing" if error["input"] is None else shortened(repr(error["input"]))
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {given};"
     return " ".join(f"{key}:{received} {_needed(error, place, raw, model)}".split())
-
-
-def _in_words(title: str) -> str:
-    """Name of a kind of file as people write it: body study for BodyStudy."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", title).lower()
 
 
 _WORDS = {

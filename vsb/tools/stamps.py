@@ -152,7 +152,8 @@ def check_product(path: str | Path, rule: str, stage: str) -> None:
         known = (*place.glob("*.nc"), *place.glob("*/*.nc"))  # such as the starts of a design, before its manifest
         own = own or any(map(carries_stamp, known))
     elif place.suffix == ".nc":
-        own = not place.exists() or (carries_stamp(place) and _stage_of(place) in (stage, None))
+        made = re.search(r'"stage":"(\w+)"', _held(place)[1]) if place.exists() else None
+        own = not place.exists() or (carries_stamp(place) and (made is None or made[1] == stage))
     else:
         own = not place.exists() or place.name == MANIFEST or kind_of(place) is not None or _is_product(place)
     if not own:
@@ -177,12 +178,6 @@ def kind_of(path: Path) -> str | None:
     endings = {ending for ending, _ in _BEGINNINGS.values()}
     suffix = path.suffix if path.suffix in endings else ""
     return next((kind for kind, (end, text) in _BEGINNINGS.items() if end == suffix and re.match(text, held)), None)
-
-
-def _stage_of(path: Path) -> str | None:
-    """Stage that made a netCDF file, by its specification; None if it states none."""
-    stage = re.search(r'"stage":"(\w+)"', _held(path)[1])
-    return stage[1] if stage else None
 
 
 def _held(path: Path) -> tuple[set[str], str]:

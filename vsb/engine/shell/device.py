@@ -29,7 +29,6 @@ from vsb.keys.quantities import (
     Number,
     Positive,
     Section,
-    mass_or_draft,
     within,
 )
 from vsb.tools.files import LARGEST_STUDY, read_bounded
@@ -193,9 +192,9 @@ Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "this exceeds any b
 
 def _material_or_moduli(schema: dict[str, Any]) -> None:
     """Tell editors that a material of rubber or by name may stand for constants, and a draft for the mass."""
-    mass_or_draft(schema)
-    for key in ("young_modulus", "poisson_ratio", "density"):
+    for key in ("young_modulus", "poisson_ratio", "density", "mass"):
         schema["required"].remove(key)
+    schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
     law = schema["properties"]["material"]
     schema["properties"]["material"] = {"anyOf": [{"enum": list(NAMED)}, law]}
 
