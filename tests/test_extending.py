@@ -87,7 +87,7 @@ def test_a_kind_made_from_another_is_taken_for_what_it_is():
     values = {"hs": 2.0, "tp": 9.0, "gamma": 5.0}
     renamed, flatter = Renamed(kind="renamed", **values), Flatter(kind="flatter", **values)
     tma = waves.Tma(kind="tma", depth=15.0, **values)
-    assert (renamed.jonswap_gamma, flatter.jonswap_gamma, tma.jonswap_gamma) == (5.0, None, None)
+    assert (renamed.jonswap, flatter.jonswap, tma.jonswap) == ((2.0, 9.0, 5.0), None, None)
     omega, amplitude = flatter.components(3.0, 600.0)
     _, other = renamed.components(3.0, 600.0)
     assert amplitude**2 == pytest.approx(other**2 * (0.5 + 0.25 * np.tanh(omega)), abs=1e-4 * max(other**2))

@@ -32,8 +32,8 @@ from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
-from vsb.tools.files import load, read_groups
 from vsb.tools.commands import HOME
+from vsb.tools.files import load, read_groups
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"

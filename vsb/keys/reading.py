@@ -233,8 +233,8 @@ def read_yaml(path: str | Path, wanted: str) -> object:
     except RecursionError:
         raise ConfigError(f"{path}: not valid YAML (nested too deeply); give {wanted}") from None
     except (yaml.YAMLError, TypeError, ValueError) as error:
-        line, words = yaml_mistake(error, text)
-        place = "" if line is None else f":{line}"
+        where, words = yaml_mistake(error, text)
+        place = "" if where is None else f":{where}"
         raise ConfigError(f"{path}{place}: not valid YAML ({words})") from None
 
 

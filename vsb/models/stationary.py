@@ -17,7 +17,7 @@ from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import Irregular, RecordedSea, Wave, WhiteNoise
+from vsb.engine.waves.kinds import Irregular, Wave
 from vsb.engine.waves.seas import RESOLVED, Sea
 from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
@@ -275,7 +275,7 @@ def _averaged(density: FloatArray, parts: int) -> FloatArray:
     return np.asarray(np.maximum(2 * once - np.convolve(once, kernel, mode="same"), 0.0))
 
 
-def _of_density(wave: RecordedSea | WhiteNoise, band: tuple[float, float]) -> Sea:
+def _of_density(wave: Irregular, band: tuple[float, float]) -> Sea:
     """Components with the spectrum of a sea, at the centres of equal bands that begin at zero."""
     spacing = RESOLVED * wave.omega
     omega = (np.arange(int(band[1] / spacing)) + 0.5) * spacing

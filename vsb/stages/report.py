@@ -25,12 +25,11 @@ from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.waves.kinds import (
     Irregular,
-    PeakedSea,
     RegularWave,
     Wave,
     jonswap_spectrum,
 )
-from vsb.engine.waves.seas import NO_WAVES
+from vsb.engine.waves.seas import NO_WAVES, Peak
 from vsb.engine.waves.water import group_velocity
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import FloatingSystem, band, expected_sea, floating_system, heading, study_sea
@@ -387,8 +386,8 @@ def _sea(
         width = 2 * float(omega[0])
         kept = (omega >= known[0]) & (omega <= known[1])
         omega, squares = omega[kept], amplitude[kept] ** 2
-        if (gamma := wave.jonswap_gamma) is not None:
-            squares, jonswap = None, _jonswap(wave, gamma, width, known)
+        if peak := wave.jonswap:
+            squares, jonswap = None, _jonswap(peak, width, known)
     else:
         omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
     same = (i for i, (on, to) in enumerate(grids) if to == wave.direction and np.array_equal(on, omega))
@@ -398,15 +397,15 @@ def _sea(
     return InteractiveSea(wave.description, place, squares, jonswap, given, within)
 
 
-def _jonswap(wave: PeakedSea, gamma: float, width: float, band: tuple[float, float]) -> dict[str, float]:
+def _jonswap(peak: Peak, width: float, band: tuple[float, float]) -> dict[str, float]:
     """Parameters of a spectrum, and peak periods between which it lies within a band of frequencies.
 
     The integral is that of x^-5 exp(-1.25 x^-4) bump over x, frequencies in terms of the peak's [-].
     """
-    periods = 2 * math.pi / np.array(band)
+    periods, gamma = 2 * math.pi / np.array(band), peak.gamma
     integral = math.exp(-1.25) * gamma / float(jonswap_spectrum(np.array([1.0]), 4.0, 2 * math.pi, gamma)[0])
-    own = {"hs": wave.hs, "tp": wave.tp, "gamma": gamma, "width": width, "integral": integral}
-    return own | {"shortest": min(wave.tp, 5 * float(periods[1])), "longest": max(wave.tp, 0.5 * float(periods[0]))}
+    own = {**peak._asdict(), "width": width, "integral": integral}
+    return own | {"shortest": min(peak.tp, 5 * float(periods[1])), "longest": max(peak.tp, 0.5 * float(periods[0]))}
 
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"

@@ -237,7 +237,7 @@ class BodyStudy(Brief, BaseStudy):
         """A body's database holds waves of the directions it was solved in, and no others."""
         for i, wave in enumerate(self.waves):
             if wave.spreads:
-                key = "spreading" if wave.spreading else "file"
+                key = "spreading" if wave.drawn and wave.spreading else "file"
                 raise ValueError(
                     f"waves.{i}.{key}: the database of a body holds the directions it was solved in, none between; "
                     "needs a buoy, or several seas of one direction each"

@@ -376,7 +376,7 @@ class Study(Buoy, BaseStudy):
             if not wave.still:
                 check_heading(self, wave.direction, f"waves.{i}")
             if wave.spreads:
-                check_spreading(self, f"waves.{i}.{'spreading' if wave.spreading else 'file'}")
+                check_spreading(self, f"waves.{i}.{'spreading' if wave.drawn and wave.spreading else 'file'}")
             wave.check_below(self.hydro.omega_max, f"waves.{i}")
             if self.needs_bem and not wave.still and wave.omega > self.hydro.omega_max:
                 shortest = 2 * math.pi / self.hydro.omega_max

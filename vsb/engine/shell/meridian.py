@@ -451,7 +451,7 @@ def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
     _check_points(points)
     largest, at = max(x for x, _ in points), _chords(points)
     (x, z), angles = np.array(points).T, _midpoints(8 * MOST_TERMS)
-    across, along = (CubicSpline(at, one, bc_type=ends)(angles) for one, ends in ((x, "natural"), (z, "clamped")))
+    across, along = CubicSpline(at, x, bc_type="natural")(angles), CubicSpline(at, z, bc_type="clamped")(angles)
     found = _of_series(across.tolist(), along.tolist(), largest)
     for phi, (px, pz) in zip(at, points, strict=True):
         there = found.at(phi)

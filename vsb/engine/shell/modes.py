@@ -306,7 +306,7 @@ class ModeBasis:
 @lru_cache(maxsize=64)
 def _allowed(basis: ModeBasis, colatitudes: tuple[float, ...]) -> FloatArray:
     """The motions clamps allow."""
-    free = np.asarray(block_diag(1.0, null_space(basis.clamp_rows(colatitudes)[:, 1:])))
+    free = np.asarray(block_diag(np.eye(1), null_space(basis.clamp_rows(colatitudes)[:, 1:])))
     free.setflags(write=False)
     return free
 

@@ -14,7 +14,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vsb.engine.waves.records import RecordedSea as RecordedSea
 from vsb.engine.waves.records import read_record
-from vsb.engine.waves.seas import BANDS, BaseWave, Height, Period
+from vsb.engine.waves.seas import BANDS, BaseWave, Height, Peak, Period
 from vsb.engine.waves.seas import IrregularSea as IrregularSea
 from vsb.engine.waves.seas import RegularWave as RegularWave
 from vsb.engine.waves.seas import SeaOfFile as SeaOfFile
@@ -126,11 +126,11 @@ class Jonswap(PeakedSea):
         return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
     @property
-    def jonswap_gamma(self) -> float | None:
-        """Its peakedness [-]; None of a kind made from this one that has another density."""
+    def jonswap(self) -> Peak | None:
+        """Its peak; None of a kind made from this one that has another density."""
         own = type(self)
         same = (own.density, own.variances) == (Jonswap.density, Jonswap.variances)
-        return self.gamma if same else None
+        return Peak(self.hs, self.tp, self.gamma) if same else None
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
@@ -189,11 +189,11 @@ class PiersonMoskowitz(PeakedSea):
         return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
     @property
-    def jonswap_gamma(self) -> float | None:
-        """That of the JONSWAP sea it is [-]; None of a kind made from this one that has another density."""
+    def jonswap(self) -> Peak | None:
+        """That of the JONSWAP sea it is; None of a kind made from this one that has another density."""
         own = type(self)
         same = (own.density, own.variances) == (PiersonMoskowitz.density, PiersonMoskowitz.variances)
-        return 1.0 if same else None
+        return Peak(self.hs, self.tp, 1.0) if same else None
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""

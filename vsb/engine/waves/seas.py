@@ -131,6 +131,14 @@ class SeaEnergy(NamedTuple):
     flux: float  # rho g int v_g S dw, per metre of crest [W/m]
 
 
+class Peak(NamedTuple):
+    """The peak of a JONSWAP sea."""
+
+    hs: float  # significant height [m]
+    tp: float  # peak period [s]
+    gamma: float  # peakedness [-]
+
+
 class BaseWave(Section):
     """What every kind of waves answers, so that nobody else asks which it is."""
 
@@ -375,8 +383,8 @@ class IrregularSea(Travelling):
         return self.hs
 
     @property
-    def jonswap_gamma(self) -> float | None:
-        """Peakedness of the JONSWAP sea it is [-]; None if it is none."""
+    def jonswap(self) -> Peak | None:
+        """The peak of the JONSWAP sea it is; None if it is none."""
         return None
 
     @property
