@@ -116,8 +116,7 @@ def test_strain_of_a_capsule_that_pitches_falls_with_the_degree():
 
 
 @pytest.mark.parametrize(
-    ("rest", "apart"),
-    [(spheroid(2.0, 3.0), 1e-6), (spheroid(2.0, 6.0), 1e-6), (capsule(2.0, 1.0), 2e-3), (EGG, 1e-6)],
+    ("rest", "apart"), [(spheroid(2.0, 3.0), 1e-6), (spheroid(2.0, 6.0), 1e-6), (capsule(2.0, 1.0), 2e-3), (EGG, 1e-6)]
 )
 def test_more_displacements_and_orders_change_nothing(rest, apart):
     """Loads of a floating shell with twice the degree; further orders than are searched hold no larger factor.

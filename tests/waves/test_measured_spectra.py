@@ -382,10 +382,7 @@ def test_records_left_out_are_noted(written):
         ("#YY MM DD hh mm WDIR WSPD WVHT\n#yr\n20 01 01 00 00 9 2 1\n", "received the buoy's meteorological data"),
         (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, ":4: received another header, needs one set"),
         ("YY MM DD hh 20. 10.\n96 01 01 00 1 2\n", ":1: received 2 frequencies from 20 to 10, needs them asc"),
-        (
-            "\n" + HEADER + "# a comment\n" + ROWS + "96 01 01 02 1.0\n",
-            ":6: received 5 columns, needs 7 as the hea",
-        ),
+        ("\n" + HEADER + "# a comment\n" + ROWS + "96 01 01 02 1.0\n", ":6: received 5 columns, needs 7 as the hea"),
         (TEXT + "96 01 01 02 1.0 x 2\n", ":4: received 'x', needs a number"),
         (TEXT + "96 01 01 02 1.0 -1 2\n", ":4: received -1, needs a number of 0 or more"),
         (TEXT + "96 13 01 02 1.0 1 2\n", ":4: received the date '96 13 01 02', needs YY MM DD"),

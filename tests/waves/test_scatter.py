@@ -11,13 +11,7 @@ from scipy.stats import norm, weibull_min
 from vsb.engine.waves.climate import is_doubt
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.measured_spectra import read_spectra
-from vsb.engine.waves.scatter import (
-    climate_of_cells,
-    energy_period_over,
-    jonswap_bands,
-    read_scatter,
-    read_table,
-)
+from vsb.engine.waves.scatter import climate_of_cells, energy_period_over, jonswap_bands, read_scatter, read_table
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 

@@ -277,9 +277,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "BetweenPort": {"between": Key("degrees", "[0, 180]", "colatitudes of two points the take-off acts between")},
     "DofPort": {
         "dofs": Key(
-            "-",
-            "{float__Heave: 1.0, spar__Heave: -1.0}",
-            "degrees of freedom the port moves with, each with its share",
+            "-", "{float__Heave: 1.0, spar__Heave: -1.0}", "degrees of freedom the port moves with, each with its share"
         ),
         "dof": Key("", "Heave", "one degree of freedom the port moves with, in place of dofs"),
     },

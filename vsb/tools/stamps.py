@@ -13,16 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import (
-    CHANGED,
-    DELETE,
-    attributes,
-    carries_stamp,
-    check_file,
-    locked,
-    reason_of,
-    write_text,
-)
+from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp, check_file, locked, reason_of, write_text
 from vsb.tools.words import csv_text, shortened
 
 if TYPE_CHECKING:

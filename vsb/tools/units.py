@@ -244,10 +244,7 @@ def density(text: str, axis: Frequency, directional: bool) -> float | None:
         _powers(m=2, s=1, rad=-1, deg=-1): 360.0,
     }
     if not axis.angular:  # else these do not say whether the density is per angle or per radian per second
-        per_angle |= {
-            _powers(m=2, s=1, rad=-1): 1.0,
-            _powers(m=2, s=1, deg=-1): 180 / math.pi,
-        }
+        per_angle |= {_powers(m=2, s=1, rad=-1): 1.0, _powers(m=2, s=1, deg=-1): 180 / math.pi}
     over_all = {
         _powers(m=2, s=1, cycle=-1): 1.0,
         _powers(m=2, s=1): 2 * math.pi if axis.angular else 1.0,

@@ -10,27 +10,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import (
-    ConfigDict,
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from vsb.engine.shell.material import NAMED, Hookean, Material, with_moduli
 from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid, through
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.keys.quantities import (
-    Brief,
-    Finite,
-    NonNegative,
-    Number,
-    Positive,
-    Section,
-    within,
-)
+from vsb.keys.quantities import Brief, Finite, NonNegative, Number, Positive, Section, within
 from vsb.tools.files import LARGEST_STUDY, read_bounded
 
 Basis = Literal["paper", "membrane", "full"]

@@ -21,13 +21,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.special import legendre_p_all
 
-from vsb.engine.shell.meridian import (
-    ClosedMeridian,
-    bend,
-    curve,
-    length,
-    meridian_rule,
-)
+from vsb.engine.shell.meridian import ClosedMeridian, bend, curve, length, meridian_rule
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import FloatArray, IntArray
