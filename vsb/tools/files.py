@@ -24,7 +24,6 @@ import numpy as np
 import psutil
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.tools.arrays import AnyArray
 from vsb.tools.variables import check_finite, described
 
 if TYPE_CHECKING:
@@ -264,7 +263,11 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         own = f".{target.name}.{socket.gethostname()}."
-        _remove_abandoned(target.parent, own)
+        for name in os.listdir(target.parent):  # of killed processes; quicker than a pattern with thousands of members
+            if name.startswith(own) and name.endswith(".tmp"):
+                writer = name.removeprefix(own).partition(".")[0]
+                if writer.isdecimal() and not psutil.pid_exists(int(writer)):
+                    (target.parent / name).unlink(missing_ok=True)
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f"{own}{os.getpid()}.", suffix=".tmp")
         os.close(handle)
         try:
@@ -277,15 +280,6 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         raise DatabaseError(
             f"{path}: cannot be written ({error.strerror or error}); needs space in a folder you may write to"
         ) from None
-
-
-def _remove_abandoned(folder: Path, begins: str) -> None:
-    """Remove temporary files of a target left by killed processes of this machine."""
-    for name in os.listdir(folder):  # quicker than a pattern with thousands of members
-        if name.startswith(begins) and name.endswith(".tmp"):
-            writer = name.removeprefix(begins).partition(".")[0]
-            if writer.isdecimal() and not psutil.pid_exists(int(writer)):
-                (folder / name).unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -320,7 +314,12 @@ def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] |
     stored[ROOT].attrs["checksum"] = checksum(stored)
     with atomic_write(path) as temporary:
         for name, group in stored.items():
-            _write(group, str(temporary), mode="w" if name == ROOT else "a", group=name)
+            large = {one: {"zlib": True, "complevel": 1} for one, v in group.data_vars.items() if v.size > 10_000}
+            mode: Literal["w", "a"] = "w" if name == ROOT else "a"
+            try:
+                group.to_netcdf(str(temporary), engine="netcdf4", mode=mode, group=name, encoding=large)
+            except RuntimeError as error:  # netCDF's error for a full disk
+                raise OSError(str(error)) from None
         seal(temporary)
 
 
@@ -351,15 +350,6 @@ def merged(ds: "xr.Dataset") -> "xr.Dataset":
         if "complex" in v.dims
     }
     return ds.assign(parts).drop_vars("complex")
-
-
-def _write(ds: "xr.Dataset", path: str, mode: Literal["w", "a"], group: str) -> None:
-    """Write one group; large variables compressed, without loss."""
-    large = {name: {"zlib": True, "complevel": 1} for name, v in ds.data_vars.items() if v.size > 10_000}
-    try:
-        ds.to_netcdf(path, engine="netcdf4", mode=mode, group=group, encoding=large)
-    except RuntimeError as error:  # netCDF's error for a full disk
-        raise OSError(str(error)) from None
 
 
 def seal(path: str | Path) -> None:
@@ -396,19 +386,16 @@ def checksum(groups: "Mapping[str, xr.Dataset]") -> str:
     for group, ds in sorted(groups.items()):
         digest.update(_plain([group, _listed(ds.attrs)]))
         for name, variable in sorted(ds.variables.items()):
-            kind, content = _content(variable.values)
+            values = variable.values  # the same on every machine; text counts as such, of whatever length on disk
+            if values.dtype.kind in "OSU":
+                kind, content = "text", _plain(values.astype(str).tolist())
+            else:
+                kind = values.dtype.newbyteorder("<").str
+                content = np.ascontiguousarray(values, dtype=kind).tobytes()
             shape = dict(zip(variable.dims, variable.shape, strict=True))
             digest.update(_plain([name, name in ds.coords, list(shape.items()), kind, _listed(variable.attrs)]))
             digest.update(content)
     return digest.hexdigest()
-
-
-def _content(values: AnyArray) -> tuple[str, bytes]:
-    """Type and bytes of values, the same on every machine; text counts as such, of whatever length on disk."""
-    if values.dtype.kind in "OSU":
-        return "text", _plain(values.astype(str).tolist())
-    kind = values.dtype.newbyteorder("<").str
-    return kind, np.ascontiguousarray(values, dtype=kind).tobytes()
 
 
 def _listed(attrs: Mapping[Any, Any]) -> dict[str, Any]:

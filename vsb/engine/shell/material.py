@@ -504,7 +504,9 @@ def with_moduli(device: Any) -> Any:
     """
     if isinstance(device, dict) and isinstance(device.get("material"), str):
         device = _by_name(device)
-    if not isinstance(device, dict) or (law := _law(device.get("material"))) in (None, "hookean"):
+    material = device.get("material") if isinstance(device, dict) else None  # valid, or being read
+    law = material.get("law") if isinstance(material, dict) else getattr(material, "law", None)
+    if law in (None, "hookean"):
         return device
     for key in ("young_modulus", "poisson_ratio"):
         if key in device:
@@ -526,11 +528,6 @@ def _by_name(device: dict[str, Any]) -> dict[str, Any]:
             raise ValueError(f"{key}: received {device[key]!r} beside material {name}, which has its own; remove it")
     rest = {key: value for key, value in device.items() if key != "material"}
     return {"density": found.density, **rest, **found.keys}
-
-
-def _law(material: Any) -> Any:
-    """The law of a material, valid or being read; None where there is none."""
-    return material.get("law") if isinstance(material, dict) else getattr(material, "law", None)
 
 
 def _young_modulus(material: Any) -> float:

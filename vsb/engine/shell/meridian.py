@@ -412,16 +412,6 @@ def series(radial: tuple[float, ...], axial: tuple[float, ...], radius: float) -
     return _of_radius_one(own, widest).scaled(radius, radius)
 
 
-def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
-    """Terms k = 1, 2, ... in cos k phi of one function and sin k phi of another, by their values at the midpoints."""
-    count, k = len(even), np.arange(1, MOST_TERMS + 1)
-    at = np.outer(k, np.pi * (np.arange(count) + 0.5) / count)
-    cosines, sines = 2 / count * np.cos(at) @ even, 2 / count * np.sin(at) @ odd
-    size = np.maximum(abs(cosines), abs(sines))
-    kept = next((n for n in range(9, MOST_TERMS) if size[n - 4 : n].max() < small), MOST_TERMS)
-    return cosines[:kept].tolist(), sines[:kept].tolist()
-
-
 @lru_cache(maxsize=32)
 def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMeridian:
     """Return a smooth meridian through points (x, z) from the top to the keel, scaled to a largest radius [m].
@@ -477,9 +467,13 @@ def _midpoints(count: int) -> list[float]:
 
 
 def _of_series(x: Sequence[float], z: Sequence[float], largest: float) -> RestMeridian:
-    """The meridian of radii and heights at `_midpoints`."""
-    cosines, sines = _terms(z, x, SMALL_OF_PROFILES * largest)
-    return RestMeridian(tuple(sines), (sum(z) / len(z), *cosines))
+    """The meridian of radii and heights at `_midpoints`, without small terms of the highest orders."""
+    count, k = len(z), np.arange(1, MOST_TERMS + 1)
+    at = np.outer(k, np.pi * (np.arange(count) + 0.5) / count)
+    cosines, sines = 2 / count * np.cos(at) @ z, 2 / count * np.sin(at) @ x
+    size, small = np.maximum(abs(cosines), abs(sines)), SMALL_OF_PROFILES * largest
+    kept = next((n for n in range(9, MOST_TERMS) if size[n - 4 : n].max() < small), MOST_TERMS)
+    return RestMeridian(tuple(sines[:kept].tolist()), (sum(z) / len(z), *cosines[:kept].tolist()))
 
 
 def _of_radius_one(meridian: RestMeridian, widest: float | None = None) -> RestMeridian:

@@ -247,11 +247,6 @@ class RingModes(AttachmentModes):
         """How many of them are degrees of freedom of their own."""
         return int(np.sum(self._twists <= min(self.degree, TWISTS)))
 
-    @property
-    def _beyond(self) -> IntArray:
-        """The places of those above N."""
-        return np.flatnonzero(self._twists > max(self.degree, 1))
-
     @cached_property
     def _responses(self) -> FloatArray:
         """Radial and surface amplitudes of each degree under each load, none of twists, (degree, 2, shape) [m/N]."""
@@ -290,7 +285,11 @@ class RingModes(AttachmentModes):
         mass, elastic, stretched = (
             np.einsum("nai,nab,nbj->ij", responses, block, responses, optimize=True) for block in blocks
         )
-        twists, shear, far = self._twist_responses, twisted(self._twists), self._beyond
+        twists, shear, far = (
+            self._twist_responses,
+            twisted(self._twists),
+            np.flatnonzero(self._twists > max(self.degree, 1)),
+        )
         mass = mass + (twists.T * twisting_mass(self.shell, self._twists)) @ twists
         elastic = elastic + self.shell.shear_stiffness * (twists.T * shear) @ twists
         stretched = stretched + (twists[far].T * shear[far]) @ twists[far]

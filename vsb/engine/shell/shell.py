@@ -52,11 +52,8 @@ class Shell:
                 f"{law.poisson_ratio}, got E={self.young_modulus} Pa, nu={self.poisson_ratio}."
             )
         stepped = any(isinstance(size, complex) for size in (self.radius, self.thickness))
-        if self.rest is not None and not (stepped or self.rest.stepped):
-            self._check_rest(self.rest)
-
-    def _check_rest(self, rest: ClosedMeridian) -> None:
-        """Check that another meridian is of this radius, and nowhere too sharp for a thin shell."""
+        if (rest := self.rest) is None or stepped or rest.stepped:
+            return
         if not math.isclose(rest.radius, self.radius, rel_tol=1e-9):
             raise ValueError(f"a meridian needs the shell's radius, {self.radius} m, got {rest.radius} m.")
         if not self.thickness < 0.1 * rest.sharpest:

@@ -220,21 +220,16 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     if wrong.any():
         found.append(f"{int(wrong.sum())} physically impossible records left out")
     spectra, count = spectra[~wrong], int((~wrong).sum())
-    found += [f"{count} spectra used", _tail(omega, spectra)]
-    found += [f"{count} of {len(density)}: {FEW}"] if count < len(density) / 2 else []
-    return Climate.of_spectra(omega, spectra, np.full(count, 1 / count), source, found)
-
-
-def _tail(omega: FloatArray, density: FloatArray) -> str:
-    """Note on the variance beyond the bands, from a tail S ~ w^-5."""
-    first, last = band_edges(omega)[[0, -1]]
-    beyond = density[:, -1] * (omega[-1] / last) ** 5 * last / 4
-    share = float(beyond.sum() / (density @ np.diff(band_edges(omega))).sum())
-    note = (
-        f"bands from {first / 2 / np.pi:.4g} to {last / 2 / np.pi:.4g} Hz: a tail falling with the fifth power of "
+    begin, end = band_edges(omega)[[0, -1]]
+    beyond = spectra[:, -1] * (omega[-1] / end) ** 5 * end / 4  # of a tail S ~ w^-5
+    share = float(beyond.sum() / (spectra @ np.diff(band_edges(omega))).sum())
+    tail = (
+        f"bands from {begin / 2 / np.pi:.4g} to {end / 2 / np.pi:.4g} Hz: a tail falling with the fifth power of "
         f"frequency would add {share:.2%} to the variance, which is not counted"
     )
-    return f"{note}: {CUT}" if share > LARGEST_TAIL else note
+    found += [f"{count} spectra used", f"{tail}: {CUT}" if share > LARGEST_TAIL else tail]
+    found += [f"{count} of {len(density)}: {FEW}"] if count < len(density) / 2 else []
+    return Climate.of_spectra(omega, spectra, np.full(count, 1 / count), source, found)
 
 
 def is_doubt(note: str) -> bool:

@@ -43,21 +43,6 @@ def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> F
     return _scaled(lambda w: _jonswap_shape(w, tp, gamma), omega, hs, tp)
 
 
-def tma_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float, depth: float, gravity: float) -> FloatArray:
-    """Return the TMA spectral density, shape of `omega` [m^2 s/rad]: JONSWAP's in water of a depth [m], 16 m0 = hs^2.
-
-    S = S_J(w) tanh^2(kh)/(1 + 2kh/sinh 2kh): a saturated sea has in any depth the same spectrum over wavenumber
-    (Kitaigorodskii et al. 1975; Bouws et al., J. Geophys. Res. 90, 1985). In deep water it is JONSWAP's.
-    """
-    return _scaled(lambda w: _jonswap_shape(w, tp, gamma) * depth_factor(w, depth, gravity), omega, hs, tp)
-
-
-def depth_factor(omega: FloatArray, depth: float, gravity: float) -> FloatArray:
-    """Return tanh^2(kh)/(1 + 2kh/sinh 2kh), shape of `omega` [-]: (w^2 h/g)/2 in shallow, 1 in deep water."""
-    kh = np.minimum(depth * wavenumbers(omega, depth, gravity), 300.0)
-    return np.asarray(np.tanh(kh) ** 2 / (1 + 2 * kh / np.sinh(2 * kh)))
-
-
 def _jonswap_shape(omega: FloatArray, tp: float, gamma: float) -> FloatArray:
     """JONSWAP's spectrum but for its height."""
     peak = 2 * np.pi / tp
@@ -71,18 +56,6 @@ def _scaled(shape: Callable[[FloatArray], FloatArray], omega: FloatArray, hs: fl
     fine = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
     m0 = float(np.trapezoid(shape(fine), fine))
     return np.asarray(hs**2 / 16 / m0 * shape(omega))
-
-
-def ochi_hubble_peak(omega: FloatArray, hs: float, tp: float, peakedness: float) -> FloatArray:
-    """Return the spectral density of one of Ochi and Hubble's two peaks, shape of `omega` [m^2 s/rad], 16 m0 = hs^2.
-
-    S = (1/4) (p w_p^4/4)^l/Gamma(l) hs^2/w^p exp(-(p/4) (w_p/w)^4), p = 4 l + 1, with the peakedness l; l = 1 is
-    Pierson and Moskowitz's form (Ochi and Hubble, Six-parameter wave spectra, Proc. 15th ICCE, 1976).
-    """
-    p, peak = 4 * peakedness + 1, 2 * np.pi / tp
-    scale = 0.25 * (p / 4) ** peakedness / math.gamma(peakedness) * hs**2 / peak
-    ratio = omega / peak
-    return np.asarray(scale * np.exp(-p * (np.log(ratio) + 0.25 * ratio**-4.0)))
 
 
 class PeakedSea(SpectralSea):
@@ -162,8 +135,18 @@ class Tma(Jonswap):
         return f"a TMA sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s in {self.depth:g} m of water"
 
     def density(self, omega: FloatArray) -> FloatArray:
-        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
-        return tma_spectrum(omega, self.hs, self.tp, self.gamma, self.depth, self.gravity)
+        """Return the spectral density, shape of `omega` [m^2 s/rad]: JONSWAP's in water of the depth, 16 m0 = hs^2.
+
+        S = S_J(w) tanh^2(kh)/(1 + 2kh/sinh 2kh), the factor (w^2 h/g)/2 in shallow, 1 in deep water: a saturated sea
+        has in any depth the same spectrum over wavenumber (Kitaigorodskii et al. 1975; Bouws et al., J. Geophys. Res.
+        90, 1985).
+        """
+
+        def shape(w: FloatArray) -> FloatArray:
+            kh = np.minimum(self.depth * wavenumbers(w, self.depth, self.gravity), 300.0)
+            return _jonswap_shape(w, self.tp, self.gamma) * (np.tanh(kh) ** 2 / (1 + 2 * kh / np.sinh(2 * kh)))
+
+        return _scaled(shape, omega, self.hs, self.tp)
 
     def check_water(self, water: Water, where: str) -> None:
         """Check that the sea is one of this water; raises `ValueError`."""
@@ -323,6 +306,17 @@ class SeaPart(Section):
         """Frequency above which the density is less than an 800th of that at the peak [rad/s]."""
         return float(self.omega * math.exp(0.25) * 800 ** (1 / self.exponent))
 
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return its spectral density, shape of `omega` [m^2 s/rad], 16 m0 = hs^2.
+
+        S = (1/4) (p w_p^4/4)^l/Gamma(l) hs^2/w^p exp(-(p/4) (w_p/w)^4), p = 4 l + 1, with the peakedness l; l = 1 is
+        Pierson and Moskowitz's form (Ochi and Hubble, Six-parameter wave spectra, Proc. 15th ICCE, 1976).
+        """
+        p, peak = self.exponent, 2 * np.pi / self.tp
+        scale = 0.25 * (p / 4) ** self.peakedness / math.gamma(self.peakedness) * self.hs**2 / peak
+        ratio = omega / peak
+        return np.asarray(scale * np.exp(-p * (np.log(ratio) + 0.25 * ratio**-4.0)))
+
     @property
     def name(self) -> str:
         """What it adds to the name of a sea."""
@@ -393,7 +387,7 @@ class OchiHubble(SpectralSea):
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
-        return np.asarray(sum(ochi_hubble_peak(omega, part.hs, part.tp, part.peakedness) for part in self.parts))
+        return np.asarray(sum(part.density(omega) for part in self.parts))
 
 
 Spectral = Jonswap | PiersonMoskowitz | Tma | OchiHubble | WhiteNoise | TabulatedSea
@@ -409,12 +403,6 @@ def file_lines(waves: Iterable[BaseWave]) -> list[str]:
 
 _DIRECTIONAL = {"directions", "shares"}
 _READERS: dict[str, Callable[..., dict[str, Any]]] = {"record": read_record, "spectrum": read_spectrum}
-
-
-def _faults_of(wave: dict[str, Any]) -> dict[str, list[str]]:
-    """Faults of a record that are to be repaired or accepted, as it is written; wrong ones are reported later."""
-    asked = {key: wave[key] for key in ("repair", "accept") if isinstance(wave.get(key), list | tuple)}
-    return {key: [str(name) for name in names] for key, names in asked.items()} if wave["kind"] == "record" else {}
 
 
 def with_files(raw: Any, source: str) -> Any:
@@ -437,7 +425,11 @@ def with_files(raw: Any, source: str) -> Any:
         if isinstance(kind := wave.get("kind"), str) and kind in _READERS:
             line = raw.line(("waves", i, "file")) if isinstance(raw, Located) else None
             where = f"{source}{'' if line is None else f':{line}'}: waves.{i}.file"
-            held = _READERS[kind](Path(source).parent / name, where, **_faults_of(wave))
+            asked = [
+                key for key in ("repair", "accept") if kind == "record" and isinstance(wave.get(key), list | tuple)
+            ]
+            faults = {key: [str(fault) for fault in wave[key]] for key in asked}  # wrong ones are reported later
+            held = _READERS[kind](Path(source).parent / name, where, **faults)
             found = copy.deepcopy(raw) if found is raw else found
             found["waves"][i]["file"] = {key: held[key] for key in held if not (heaves and key in _DIRECTIONAL)}
     return found

@@ -606,11 +606,22 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
         Peakedness of JONSWAP.
     """
     table = read_series(path) or read_table(path)
-    share, total = _shares(path, table)
+    total = float(table.occurrence.sum())
+    known = {100.0: "percent", 1.0: "shares", YEAR_HOURS: "hours"}
+    near = [unit for unit in ([table.unit] if table.unit else known) if abs(total / unit - 1) <= WHOLE]
+    if near:
+        summed = f"{total:.6g} ({known[near[0]]} of {near[0]:g})"
+    elif table.unit is None and np.all(table.occurrence == np.rint(table.occurrence)):
+        summed = f"{total:.6g} counts"
+    else:
+        unit = table.unit
+        needed = f"{unit:g} ({known[unit]})" if unit else "1, 100 (percent), 8766 (hours) or whole counts"
+        raise ConfigError(f"{path}: received occurrences that sum to {total:.6g}, needs {needed}")
+    share = table.occurrence / total
     gamma = gamma if spectrum == "jonswap" else 1.0
     ratio = energy_period_over(table.kind, gamma)
     te = table.period * ratio
-    notes = [f"{len(share)} occupied cells of Hs and {table.kind.capitalize()}, which sum to {total}", *table.notes]
+    notes = [f"{len(share)} occupied cells of Hs and {table.kind.capitalize()}, which sum to {summed}", *table.notes]
     shape = f"JONSWAP spectra, gamma {gamma:g}" if spectrum == "jonswap" else "Pierson-Moskowitz spectra"
     notes += [f"Te = {ratio:.3f} {table.kind.capitalize()} of these spectra"] if table.kind in ("tz", "t01") else []
     wrong = impossible(table.hs, te)
@@ -675,17 +686,3 @@ def jonswap_bands(omega: FloatArray, hs: FloatArray, tp: FloatArray, gamma: floa
     x, below = _unit_sea(gamma)
     cumulated = np.interp(np.outer(tp / (2 * np.pi), edges), x, below)
     return np.asarray(hs[:, None] ** 2 / 16 * np.diff(cumulated, axis=1) / np.diff(edges))
-
-
-def _shares(path: str | Path, table: Table) -> tuple[FloatArray, str]:
-    """Shares of the year, and the sum of the occurrences in words."""
-    total = float(table.occurrence.sum())
-    known = {100.0: "percent", 1.0: "shares", YEAR_HOURS: "hours"}
-    units = [table.unit] if table.unit else list(known)
-    near = [unit for unit in units if abs(total / unit - 1) <= WHOLE]
-    if near:
-        return table.occurrence / total, f"{total:.6g} ({known[near[0]]} of {near[0]:g})"
-    if table.unit is None and np.all(table.occurrence == np.rint(table.occurrence)):
-        return table.occurrence / total, f"{total:.6g} counts"
-    needed = f"{table.unit:g} ({known[table.unit]})" if table.unit else "1, 100 (percent), 8766 (hours) or whole counts"
-    raise ConfigError(f"{path}: received occurrences that sum to {total:.6g}, needs {needed}")

@@ -57,7 +57,11 @@ def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> Fl
         return np.asarray(np.real(np.exp(-1j * omega * time[0]) @ phasors)[None])
     out = np.empty((len(time), phasors.shape[1]))
     dt = float(time[-1] - time[0]) / max(len(time) - 1, 1)
-    spacing = _spacing(omega)
+    spacing = 0.0  # of many components that are equally spaced [rad/s]
+    if len(omega) > FEW:
+        even = float(omega[-1] - omega[0]) / (len(omega) - 1)
+        off = np.abs(omega - (omega[0] + even * np.arange(len(omega)))).max()
+        spacing = even if off <= _SAME * np.abs(omega).max() else 0.0
     length = 3 * len(omega) if spacing else max(_TABLE // (1 + len(omega)), 1)
     for start in range(0, len(time), length):
         block, here = time[start : start + length], slice(start, start + length)
@@ -68,15 +72,6 @@ def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> Fl
             angle = np.outer(block, omega)
             out[here] = np.hstack([np.cos(angle), np.sin(angle)]) @ np.vstack([phasors.real, phasors.imag])
     return out
-
-
-def _spacing(omega: FloatArray) -> float:
-    """Spacing of many components [rad/s]; 0 if they are few or not equally spaced."""
-    if len(omega) <= FEW:
-        return 0.0
-    spacing = float(omega[-1] - omega[0]) / (len(omega) - 1)
-    off = np.abs(omega - (omega[0] + spacing * np.arange(len(omega)))).max()
-    return spacing if off <= _SAME * np.abs(omega).max() else 0.0
 
 
 def _chirped(phasors: ComplexArray, first: float, ratio: float, count: int) -> FloatArray:
