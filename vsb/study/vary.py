@@ -12,6 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Self
 
+import vsb.engine.shell.device
+import vsb.engine.waves.kinds  # noqa: F401  (describes its keys)
 from vsb.engine.motion.take_off import port_kind
 from vsb.keys.meanings import AT_PORT, UNITS
 from vsb.keys.quantities import Section
