@@ -413,9 +413,9 @@ class BaseMaterial(Section):
     """What every material answers, so that nobody else asks which it is."""
 
     @property
+    @abstractmethod
     def rubber(self) -> Incompressible | None:
         """The law of rubber; None of Hooke's law, whose moduli are the device's."""
-        return None
 
 
 class Hookean(BaseMaterial):
@@ -423,6 +423,11 @@ class Hookean(BaseMaterial):
 
     KEYS: ClassVar = {"law": Key("", "hookean", "Hooke's law, with young_modulus and poisson_ratio of the device")}
     law: Literal["hookean"] = "hookean"
+
+    @property
+    def rubber(self) -> None:
+        """None: it is no rubber."""
+        return None
 
 
 class NeoHookean(BaseMaterial):

@@ -144,7 +144,8 @@ class Tma(Jonswap):
 
         def shape(w: FloatArray) -> FloatArray:
             kh = np.minimum(self.depth * wavenumbers(w, self.depth, self.gravity), 300.0)
-            return _jonswap_shape(w, self.tp, self.gamma) * (np.tanh(kh) ** 2 / (1 + 2 * kh / np.sinh(2 * kh)))
+            factor = np.tanh(kh) ** 2 / (1 + 2 * kh / np.sinh(2 * kh))
+            return np.asarray(_jonswap_shape(w, self.tp, self.gamma) * factor)
 
         return _scaled(shape, omega, self.hs, self.tp)
 
