@@ -6,9 +6,9 @@ import io
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from vsb.report.svg import svg_text
 
 from vsb.errors import DatabaseError
+from vsb.report.canvas import svg_text
 from vsb.tools.stamps import check_table
 from vsb.tools.words import against, csv_text, plain, power, short, the_rigid, watts
 
