@@ -57,6 +57,14 @@ def recipe(title, number=1, **names):
     return names
 
 
+@pytest.fixture
+def described(monkeypatch):
+    """Keys of the kinds that a test makes are known in it alone."""
+    monkeypatch.setattr(keys, "KEYS", {**keys.KEYS})
+    monkeypatch.setattr(keys, "UNITS", {**keys.UNITS})
+
+
+@pytest.mark.usefixtures("described")
 def test_first_change_of_contributing():
     """Its sea, its density under its own test, and a described key for every field."""
     text = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -72,6 +80,7 @@ def test_first_change_of_contributing():
     assert names["Swell"](kind="swell", hs=2.0, tp=12.0, bandwidth=0.05).memory == pytest.approx(4 * np.pi / 0.05)
 
 
+@pytest.mark.usefixtures("described")
 def test_a_kind_made_from_another_is_taken_for_what_it_is():
     """A page moves the period of JONSWAP seas by their formula: of those alone whose density it is."""
 
