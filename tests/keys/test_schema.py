@@ -11,8 +11,8 @@ from conftest import SEED
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
-from vsb.keys.reading import in_si, validated
-from vsb.keys.schema import unit_of
+from vsb.keys.reading import validated
+from vsb.keys.schema import in_si, unit_of
 from vsb.pipeline.graph import StudyPlan
 from vsb.study import study as config
 from vsb.study.body import BodyStudy

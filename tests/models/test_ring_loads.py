@@ -35,7 +35,7 @@ AT_60 = {"port": {"colatitude": 60.0}, "damping": None, "tuning": "each"}
 def searched(study):
     """Powers of a study by degree."""
     return ModeConvergence(
-        with_degree(StudyPlan(study)).ladder.spec.buoy, [sea(wave, 12.0, 0.0) for wave in study.waves]
+        with_degree(StudyPlan(study)).ladder.spec.buoy, [wave.realisation(12.0, 0.0) for wave in study.waves]
     )
 
 

@@ -46,7 +46,7 @@ from vsb.engine.motion.causal_slopes import Slopes, slopes
 from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix, priced_matrix
 from vsb.engine.motion.take_off import Control
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.kinds import RESOLVED
+from vsb.engine.waves.seas import RESOLVED
 from vsb.models.stationary import BEYOND, grid
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
