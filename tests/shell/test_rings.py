@@ -176,3 +176,13 @@ def test_without_kinks_what_is_missed_falls_like_one_over_the_degree():
     limit = KinkModes(ROUND, 14, *load)._under_loads[1].item()
     missed = [1 - KinkModes(ROUND, 14, *load, n)._under_loads[1].item() / limit for n in (30, 60, 120, 240)]
     assert np.log2(missed[0] / missed[-1]) / 3 == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_wall_pressed_more_than_it_resists_has_no_modes_of_rings():
+    """Its displacements are those of the basis alone, whatever is asked for."""
+    basis = mode_basis(DEVICE, "full", 6)
+    pressed = replace(basis, rings=RingModes(basis.shell, 6, (along_wall(2.0),), (-1e9,), 4000))
+    assert pressed.labels == basis.labels
+    for at in (np.array([]), np.array([1.0, 2.0])):
+        for found, expected in zip(pressed.ring_displacement(at), basis.displacement(at), strict=True):
+            np.testing.assert_array_equal(found, expected)

@@ -297,7 +297,7 @@ def _held_change(buoy: RestingBuoy, design: str, step: Stepped | Angle) -> Float
         rows = np.deg2rad(buoy.framed(np.vstack([part.T for part in slopes])))
         found[: len(rows), 1 : rows.shape[1]] = rows[:, 1:]
     if buoy.rings:
-        own = slice(-len(buoy.rings.labels), None)
+        own = slice(len(buoy.basis.labels) - len(buoy.rings.labels), None)
         found[:, own] = _of_rings(buoy, design, step, lambda b: _held(b, design)[:, own])
     return found
 

@@ -101,7 +101,7 @@ class DeformedShell:
         hoop: FloatArray = m.shape_x @ (weight * arc) / area
         along: FloatArray = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
         if rings := self.basis.rings:
-            others, strains = -len(rings.labels), rings.mean_strains(upper, lower)
+            others, strains = len(hoop) - len(rings.labels), rings.mean_strains(upper, lower)
             hoop, along = (np.concatenate(pair) for pair in zip((hoop[:others], along[:others]), strains, strict=True))
         return hoop, along, area
 

@@ -283,7 +283,7 @@ class ModeBasis:
         radial, meridional = self.displacement(colatitude)
         if self.rings is None:
             return radial, meridional
-        others, (v, u, _) = -len(self.rings.labels), self.rings.displacement(colatitude)
+        others, (v, u, _) = len(radial) - len(self.rings.labels), self.rings.displacement(colatitude)
         return np.concatenate([radial[:others], v]), np.concatenate([meridional[:others], u])
 
     def clamped(self, colatitudes: Iterable[float]) -> FloatArray:
