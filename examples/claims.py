@@ -31,8 +31,8 @@ from vsb.engine.hydro.bodies.body_file import RoundPlate
 from vsb.engine.hydro.bodies.families import free_free_shape, plate_modes
 from vsb.engine.hydro.orders import order_groups
 from vsb.engine.integrators.exact import propagate
-from vsb.engine.motion.damper_matrix import best_matrix
 from vsb.engine.motion.frequency import LinearEquation
+from vsb.engine.motion.tuning import best_matrix
 from vsb.engine.waves.water import power_limit
 from vsb.keys.reading import read_yaml
 from vsb.models.build import linear_design

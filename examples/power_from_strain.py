@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from examples import command
-from vsb.engine.motion.damper_matrix import best_matrix
-from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.motion.tuning import best_dampers, best_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.models.floating_system import floating_system
 from vsb.models.take_off import matrix_kind

@@ -143,7 +143,7 @@ def series(args: argparse.Namespace) -> int:
     """
     from vsb.api.results import Results
     from vsb.api.results import open as opened
-    from vsb.results.series import as_csv
+    from vsb.results.comparison import series_csv
     from vsb.tools.files import atomic_write, attributes, write_text
 
     path, out = Path(args.config), Path(args.out)
@@ -154,7 +154,7 @@ def series(args: argparse.Namespace) -> int:
         raise ConfigError(f"{path}: is no run of a study, needs a file of results/STUDY/trajectories")
     found = results.series(str(run["design"]), str(run["wave"]))
     if out.suffix == ".csv":
-        write_text(out, as_csv(found))
+        write_text(out, series_csv(found))
     else:
         with atomic_write(out) as temporary:
             found.to_netcdf(temporary, engine="netcdf4")

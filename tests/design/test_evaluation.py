@@ -15,12 +15,11 @@ from vsb.design.take_offs import SeveralYear
 from vsb.design.year import FrequencyGrid, YearMotion
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
-from vsb.engine.motion.damper_matrix import best_matrix, matrix_within_force
 from vsb.engine.motion.take_off import SeveralPorts
-from vsb.engine.motion.tuning import powers_of_all
+from vsb.engine.motion.tuning import best_matrix, powers_of_all, priced_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.ports import ShapeWater, buoy_at
+from vsb.models.floating_system import ShapeWater, buoy_at
 from vsb.models.rest import loaded_at_ring, reference_shell, stiffness_about
 from vsb.study.design import PARTS, Fatigue
 from vsb.study.resolution import expected_change
@@ -353,7 +352,7 @@ def test_several_ports_share_the_force_they_are_allowed(climate, matrix):
     found, expected = model.at(model.point), differences(model, 0, 1e-4)
     assert found["force_rms"].value == most
     assert np.linalg.norm(several.force_rms(found.dampers, squares)) == pytest.approx(most, rel=1e-6)
-    power, best = found["annual_mean_power"], matrix_within_force(several, squares, most, matrix)
+    power, best = found["annual_mean_power"], priced_matrix(several, squares, most, matrix)[0]
     assert power.value == pytest.approx(best.power, rel=3e-6)
     assert power.value < free["annual_mean_power"].value
     assert abs(power.gradient[0] - expected["annual_mean_power"]) * model.point[0] <= 1e-6 * power.value

@@ -16,7 +16,7 @@ from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.modes import curvature_shapes, strain_shapes
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
-from vsb.models.ports import ShapeWater, buoy_at
+from vsb.models.floating_system import ShapeWater, buoy_at
 from vsb.models.rest import reference_shell
 from vsb.study.design import Fatigue
 

@@ -34,7 +34,7 @@ from vsb.engine.motion.system import Motion, System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
-from vsb.models.latching import with_latching_time
+from vsb.models.build import with_latching_time
 from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.models.take_off import with_take_off
 from vsb.study.study import load

@@ -14,9 +14,9 @@ from vsb.engine.integrators.simulate import simulate
 from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError
 from vsb.models.build import linear_design
-from vsb.models.drag import LINEARISED
 from vsb.models.floating_system import floating_system, port_in_seas, study_sea
 from vsb.models.rest import check_moored, check_stable, check_upright, reference_shell
+from vsb.models.take_off import LINEARISED
 from vsb.models.viability import viability
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages import make

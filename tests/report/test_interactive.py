@@ -41,7 +41,7 @@ from vsb.report.interactive import (
     surface,
     year_data,
 )
-from vsb.results.force_steps import ForceSteps
+from vsb.results.constrained_year import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.tools.variables import FORCE
 

@@ -5,18 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from models.test_stationary import example  # noqa: F401
-from motion.test_causal_ports import coupled
+from motion.test_causal import coupled
 
-from vsb.engine.motion.causal_ports import StationaryPorts
-from vsb.engine.motion.damper_matrix import Ports
-from vsb.engine.motion.port import port_direction
+from vsb.engine.motion.causal import StationaryPorts
+from vsb.engine.motion.port import Ports, port_direction
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.scatter import climate_of_cells
 from vsb.models.rest import reference_shell
-from vsb.results.causal_year import causal_years, port_means, scheduled_at_ports, schedules_at_port
-from vsb.results.matrix_year import MatrixYear
-from vsb.results.year import DesignYear, bins_of, frequencies
+from vsb.results.causal_year import causal_years, port_means, scheduled_at_ports, schedules
+from vsb.results.year import DesignYear, MatrixYear, bins_of, frequencies
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +78,7 @@ def test_losses_in_conversion_are_those_of_each_sea(example, climate):  # noqa: 
     assert (found < 0.7 * whole).all()
     bins, omega = bins_of(climate), frequencies(climate, *floating.band)
     waves = floating.at(omega).in_waves()
-    by_bin = schedules_at_port(lossy, floating, climate, waves)
+    by_bin = schedules(lossy, floating, climate, waves)
     for (design, one), total in zip(waves.items(), found, strict=True):
         own, year = by_bin[design], DesignYear(one.port, climate)
         seas = climate.density @ year.weights
@@ -107,7 +105,7 @@ def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(e
         np.asarray(found[name][1]) for name in ("annual_mean_power", "annual_mean_power_low", "annual_mean_power_high")
     )
     for i, (design, port) in enumerate(seen.items()):
-        year = MatrixYear(port, climate, "full")
+        year = MatrixYear(port, climate)
         matrix = float(year.absorbed("each", None).power @ climate.hours)
         assert power[i, 0] == pytest.approx(matrix, rel=5e-3)  # of each bin, not of each sea
         assert power[i, 0] < power[i, 1] < float(year.squares @ port.matched_power)
@@ -130,7 +128,7 @@ def test_schedule_of_ports_does_not_depend_on_what_they_are_turned_by():
 
     def schedule(turn):
         own = Ports(seen.omega, turn.T @ seen.admittance @ turn, seen.velocity @ turn)
-        year = MatrixYear(own, seas, "full")
+        year = MatrixYear(own, seas)
         return own, scheduled_at_ports(Pto.model_validate(TOP), year, squares, ports.over(turn))
 
     powers = []
@@ -152,7 +150,7 @@ def test_two_equal_ports_that_are_not_coupled_absorb_twice_as_much():
 
     def schedule(twice):
         y, s = ports.admittance[:, :1, :1] * np.eye(len(twice)), ports.spectrum[:, :1, :1] * np.outer(twice, twice)
-        year = MatrixYear(Ports(seen.omega, y, seen.velocity[:, :1] * twice), seas, "diagonal")
+        year = MatrixYear(Ports(seen.omega, y, seen.velocity[:, :1] * twice), seas, kind="diagonal")
         return scheduled_at_ports(Pto.model_validate(TOP), year, squares, StationaryPorts(ports.spacing, y, s))
 
     one, both = schedule(np.ones(1)), schedule(np.ones(2))

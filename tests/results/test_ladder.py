@@ -30,8 +30,7 @@ from vsb.results.ladder import (
     levels_of,
     material_checks,
     material_levels,
-    several_levels,
-    several_matrices,
+    matrix_levels,
     study_ladder,
 )
 from vsb.stages.water import spectral_problem
@@ -321,7 +320,7 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
     floating = FloatingSystem(spectral_seed, motions, port)
     seas = {"wave": Sea(omega, np.array([0.2 + 0j]))}
-    levels = several_levels(floating, seas, several_matrices(spec, floating, seas, [0]))
+    levels = matrix_levels(spec, floating, seas, [0])[0]
     powers = {level.rung: level.power_mean for level in levels if level.design == "VSWEC"}
     assert powers["best_damper"] == pytest.approx(powers["best_damper_all_seas"], rel=1e-9)
     assert 0 < powers["best_damper"] < powers["matched"]

@@ -5,14 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import varied
-from models.test_ports import water
+from models.test_buoy_of_shape import water
 from results.test_year import climate
 
 from vsb.engine.waves.climate import Climate
-from vsb.models.ports import BuoyOfShape, buoy_at
+from vsb.models.floating_system import BuoyOfShape, buoy_at
 from vsb.models.rest import reference_shell
 from vsb.models.viability import viability, with_designs
-from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, DampedYears, member
+from vsb.results.campaign import CURVES, MATRICES, OF_DESIGNS, TRIED, DampedYears, member
 from vsb.results.year import band_weights, frequencies, year
 from vsb.study.study import Study
 

@@ -2,22 +2,40 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
+from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from models.test_buoy_of_shape import water
 
 from vsb.engine.motion.port import Port
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.measured_spectra import read_ndbc
 from vsb.engine.waves.scatter import climate_of_cells
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError
-from vsb.models.rest import design_motions, study_basis
-from vsb.results.matrix_year import Absorbed
-from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, powers_within, year
+from vsb.models.floating_system import buoy_at
+from vsb.models.rest import design_motions, reference_shell, study_basis
+from vsb.results.budget import LeftOut
+from vsb.results.year import (
+    LIMITS,
+    Absorbed,
+    Bins,
+    DesignYear,
+    band_weights,
+    beyond_validity,
+    frequencies,
+    gain_percent,
+    motion_rms,
+    wave_limits,
+    within_errors,
+    year,
+)
 
 WATER = Water()
 
@@ -148,7 +166,7 @@ def test_band_weights_integrate_linear_functions(low, high):
 
 def test_mean_damper_matrix_of_a_year_counts_hours():
     weak, strong = np.eye(2), np.array([[3.0, 1.0], [1.0, 2.0]])
-    found = Absorbed(np.array([weak, strong]), np.array([0, 1, 1]), np.ones(3)).mean_matrix(np.array([0.7, 0.2, 0.1]))
+    found = Absorbed(np.array([weak, strong]), np.array([0, 1, 1]), np.ones(3)).mean_damper(np.array([0.7, 0.2, 0.1]))
     np.testing.assert_allclose(found, 0.7 * weak + 0.3 * strong, rtol=1e-14)
 
 
@@ -239,7 +257,9 @@ def test_product_of_matrices_is_the_hourly_sum(found):
 
 def test_interval_of_mean_power_adds_all_known_errors():
     """Quadrature, coefficients, shell modes left out: of two tunings of one design."""
-    found = powers_within(*(np.array([row]) for row in ([100.0, 50.0], [1.0, 2.0], [0.01, 0.02], [-0.1, 0.05])))
+    slopes = [[[SimpleNamespace(to=lambda _, share=share: share)] for share in (0.01, 0.02)]]
+    left_out = LeftOut(np.array([[-0.1, 0.05]]), np.zeros((1, 2)))
+    found = within_errors(np.array([[100.0, 50.0]]), np.array([[1.0, 2.0]]), slopes, [None], None, left_out)
     assert found["annual_mean_power_low"][1][0] == pytest.approx([88.0, 42.0])
     assert found["annual_mean_power_high"][1][0] == pytest.approx([107.0, 55.5])
 
@@ -254,3 +274,91 @@ def test_losses_in_conversion_take_their_part_of_every_damper():
             name.startswith(("power_", "capture_width"))
         )
         np.testing.assert_allclose(part.values[name][1], (0.8 if lost else 1.0) * values, 1e-9, 1e-9, err_msg=name)
+
+
+CELLS = climate_of_cells(np.array([1.0, 4.0, 6.0]), np.array([9.0, 7.0, 6.5]), np.array([0.5, 0.3, 0.2]), 3.3, "three")
+
+
+def test_steep_and_breaking_seas_in_deep_water():
+    """Steepness Hs over g Te^2/(2 pi): 0.0079, 0.0523, 0.0910."""
+    steep, breaking = wave_limits(CELLS, Water())
+    assert steep.seas.tolist() == [False, True, True]
+    assert breaking.seas.tolist() == [False, False, True]
+    assert steep.largest == pytest.approx(6.0 * 2 * np.pi / (9.81 * 6.5**2), rel=1e-9)
+    assert breaking.largest == pytest.approx(1.86 * steep.largest / 0.142, rel=1e-9)
+    assert steep.energy(np.array([1.0, 10.0, 20.0]), CELLS.hours) == pytest.approx(7.0 / 7.5)
+    assert steep.energy(np.zeros(3), CELLS.hours) == 0.0
+
+
+@pytest.fixture(scope="module")
+def shells(seed):
+    """The seed's designs and their motions in a year of twelve seas."""
+    study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": 2e4})
+    waves = buoy_at(study, reference_shell(study), water(study, omega=np.arange(0.1, 3.0, 0.01))).in_waves()
+    return study, waves, climate(seas=12)
+
+
+def by_the_sea(one, seas, damping, stiffness):
+    """Rms heave and largest rms displacement of the shell in each sea at its own damping."""
+    omega, found = one.port.omega, []
+    for density, c in zip(seas.density, damping, strict=True):
+        load = c + 1j * stiffness / omega
+        force = load * one.port.velocity / (1 + one.port.admittance * load)
+        weights = band_weights(omega, seas).T @ density / 2
+        heave = one.motion.heave[0] - force * one.motion.heave[1]
+        shell = one.motion.shell[0] - force * one.motion.shell[1]
+        squares = (np.abs(shell) ** 2).sum(axis=0) @ weights
+        found.append([float(weights @ np.abs(heave) ** 2), float(squares.max())])
+    return np.sqrt(np.array(found).T)
+
+
+def test_motions_under_individual_dampers_equal_a_loop_over_seas(shells):
+    study, waves, seas = shells
+    each = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("each",))
+    for i, (design, one) in enumerate(waves.items()):
+        heave, deformation = by_the_sea(one, seas, each.damping[i, 0], 2e4)
+        found = motion_rms(one, seas, each.damping[i, 0], np.arange(12), 2e4)
+        np.testing.assert_allclose(found["heave"], heave, rtol=2e-3, err_msg=design)
+        np.testing.assert_allclose(found["deformation"], deformation, rtol=2e-3, err_msg=design)
+        assert (deformation.max() > 0) == study.designs[design].flexible
+        same = motion_rms(one, seas, np.full(1, 3e3), np.zeros(12, dtype=int), 2e4)
+        for name, expected in zip(same, by_the_sea(one, seas, np.full(12, 3e3), 2e4), strict=True):
+            np.testing.assert_allclose(same[name], expected, rtol=1e-12, err_msg=f"{design} {name}")
+
+
+def test_seas_beyond_validity_are_marked_in_their_bins(shells):
+    """For a radius small enough that some seas deform the shell too much."""
+    study, waves, seas = shells
+    found = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("one",))
+    radius = float(np.median(by_the_sea(waves["VSWEC"], seas, found.damping[1, 0], 2e4)[1])) * 3.72 / 0.1
+    rms = {
+        name: motion_rms(one, seas, found.damping[i, 0], np.arange(12), 2e4)
+        for i, (name, one) in enumerate(waves.items())
+    }
+    ds = xr.Dataset(beyond_validity(found, lambda design, _: rms[design], radius))
+    steep, breaking = wave_limits(seas, study.water)
+    for i, design in enumerate(waves):
+        heave, deformation = by_the_sea(waves[design], seas, found.damping[i, 0], 2e4) * 3.72 / radius
+        each = {"steepness": steep.seas, "breaking": breaking.seas, "deformation": deformation > 0.1}
+        marked = np.any(list(each.values()), axis=0)
+        taken = found.power[i, 0] * seas.hours
+        for name, which in {**each, "heave": heave > 0.3}.items():
+            share = float(taken[which].sum() / taken.sum())
+            assert float(ds.energy_beyond[i, 0].isel(limit=LIMITS.index(name))) == pytest.approx(share), (design, name)
+        assert float(ds.energy_beyond_validity[i, 0]) == pytest.approx(float(taken[marked].sum() / taken.sum()))
+        for bin_ in found.bins.occupied:
+            inside = found.bins.index == bin_
+            share = float(seas.hours[inside & marked].sum() / seas.hours[inside].sum())
+            assert ds.beyond_validity[i, 0].values.ravel()[bin_] == pytest.approx(share)
+    assert 0 < float(ds.energy_beyond_validity[1, 0]) < 1
+    assert not ds.beyond_validity.values[..., found.bins.count == 0].any()
+
+
+def test_wave_limits_depend_on_gravity_and_depth():
+    for sea_water in (Water(gravity=3.7), Water(gravity=3.7, depth=8.0), Water(density=900.0)):
+        numbers = np.array([wavenumber(2 * np.pi / te, sea_water.depth, sea_water.gravity) for te in CELLS.te])
+        steep, breaking = wave_limits(CELLS, sea_water)
+        assert steep.largest == pytest.approx((CELLS.hs * numbers).max() / (2 * np.pi), rel=1e-12)
+        broken = 1.86 * CELLS.hs * numbers / (2 * np.pi * 0.142 * np.tanh(numbers * min(sea_water.depth, 1e3)))
+        assert breaking.largest == pytest.approx(broken.max(), rel=1e-9)
+        assert breaking.seas.tolist() == (broken > 1.0).tolist()

@@ -11,13 +11,13 @@ import pytest
 import xarray as xr
 from browser import asked, evaluated, findings
 from conftest import varied
-from models.test_ports import water
+from models.test_buoy_of_shape import water
 from results.test_member import year_of
 from results.test_year import climate
 from stages.test_members import folder, gather, planned, run, with_seas  # noqa: F401
 
 from vsb.engine.waves.seas import Sea
-from vsb.models.ports import BuoyOfShape
+from vsb.models.floating_system import BuoyOfShape
 from vsb.models.rest import reference_shell
 from vsb.pipeline.plans import members
 from vsb.report import page as pages

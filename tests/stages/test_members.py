@@ -13,14 +13,14 @@ import yaml
 from conftest import SEED
 
 from vsb.api.campaign import Campaign
-from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.tuning import best_matrix
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import VsbError
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import floating_system
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.plans import plan_of
-from vsb.results.left_out import left_out_of_year
+from vsb.results.budget import left_out_of_year
 from vsb.results.year import band_weights, frequencies, year
 from vsb.stages import campaign, members
 from vsb.stages.check import read_climate
@@ -101,7 +101,7 @@ def run(plan):
 def given_modes():
     """Years without the error of shell modes left out, whose water is solved to high degrees: no test of these is it."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vsb.results.member.left_out_of_year", lambda *_: None)
+        patch.setattr("vsb.results.campaign.left_out_of_year", lambda *_: None)
         yield
 
 
@@ -303,7 +303,7 @@ def year_at_ports(plan):
 @pytest.mark.slow
 def test_damper_matrix_of_each_sea_absorbs_within_a_few_thousandths_of_the_optimum_there(folder, monkeypatch):
     """The interval of its gain contains what modes left out and coefficients may change."""
-    monkeypatch.setattr("vsb.results.member.left_out_of_year", left_out_of_year)
+    monkeypatch.setattr("vsb.results.campaign.left_out_of_year", left_out_of_year)
     plan = planned(folder, name="optimal", pto={"ports": TWO["ports"]})
     found = computed(plan)
     power, flexible = found.annual_mean_power, found.sel(design="VSWEC")

@@ -15,8 +15,7 @@ from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.shell.deformed import enclosed
 from vsb.models import build
-from vsb.models.build import linear_design
-from vsb.models.latching import LatchingTime
+from vsb.models.build import LatchingTime, linear_design
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages import simulate
 from vsb.tools.files import load

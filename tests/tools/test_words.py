@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from vsb.errors import DatabaseError
 from vsb.report.canvas import svg_text
 from vsb.tools.stamps import check_table
-from vsb.tools.words import against, csv_text, plain, power, short, the_rigid, watts
+from vsb.tools.words import against, csv_text, gains_within, plain, power, short, the_rigid, watts, watts_within
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,15 @@ def test_powers_that_are_compared_have_one_unit():
     assert watts([380.0, 18720.0, -5.0]) == (["0.38", "18.72", "-0.005"], "kW")
     assert watts([380.0, -18720.0]) == (["0.38", "-18.72"], "kW")
     assert (power(1e4), power(9999999.0), power(1e7)) == ("10 kW", "10000 kW", "10 MW")
+
+
+def test_an_interval_that_no_digit_shows_is_exact_to_them():
+    """Not "4601.6 (4601.6 to 4601.6) W", as of an optimum whose errors are below its last digit."""
+    assert watts_within([(4601.58, 4601.579, 4601.581), (4390.2, 4389.7, 4390.6)])[0] == [
+        "4601.6 (exact to all digits)", "4390.2 (4389.7 to 4390.6)",
+    ]  # fmt: skip
+    assert gains_within([(4.07, 4.07, 4.07)]) == ["+4.07 % (exact to all digits)"]
+    assert gains_within([(4.07, 4.06, 4.07)]) == ["+4.070 % (+4.060 to +4.070 %)"]
 
 
 def test_gain_that_rounds_to_zero():

@@ -20,9 +20,8 @@ from vsb.api.campaign import Campaign
 from vsb.api.plots import StudyPlots
 from vsb.engine.hydro.database import load_database
 from vsb.engine.motion.constrained import ConstrainedOptimum, optimum_in_sea
-from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.force_bound import Harmonics, Limits
-from vsb.engine.motion.port import Port
+from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.take_off import Pto, port_kind
 from vsb.engine.waves.climate import OUTSIDE, Climate
 from vsb.engine.waves.kinds import Wave
@@ -33,7 +32,7 @@ from vsb.models.floating_system import FloatingSystem, band, floating_system, he
 from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
 from vsb.pipeline.plans import DesignPlan, with_degree
 from vsb.report.answer import closing_line, limits_aside
-from vsb.results.series import time_series
+from vsb.results.comparison import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
 from vsb.study.body import AnyStudy, LocatedBody, is_body, located
@@ -188,8 +187,8 @@ class Results:
         Returns
         -------
         Dataset
-            See `vsb.results.series.time_series`: forces act on the body, `power_absorbed` is positive where power is
-            absorbed, and its mean over the averaging window is `record_power_mean` of `comparison`.
+            See `vsb.results.comparison.time_series`: forces act on the body, `power_absorbed` is positive where power
+            is absorbed, and its mean over the averaging window is `record_power_mean` of `comparison`.
         """
         run = self.trajectory(design, wave)
         if self.study.needs_bem:
@@ -311,9 +310,8 @@ class Results:
             )
         every = np.repeat(heights, len(periods)), np.tile(periods, len(heights))
         found = self._over(seas_of(*every), tunings, direction)
-        of_seas = {
-            "power_matrix": found.power, "capture_width_matrix": found.power / found.flux, "damping": found.dampers
-        }  # fmt: skip
+        of_seas = {"power_matrix": found.power, "capture_width_matrix": found.power / found.flux}
+        of_seas["damping"] = np.asarray(found.damping)
         shape, dims = (*found.power.shape[:2], len(heights), len(periods)), ("design", "tuning", "hs", "te")
         at = {"design": list(found.designs), "tuning": list(found.tunings), "hs": heights, "te": periods}
         values = {name: (dims, value.reshape(shape)) for name, value in of_seas.items()}

@@ -37,7 +37,7 @@ from vsb.design.certificate import (
 from vsb.design.evaluation import Evaluation
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem, by_modes
 from vsb.errors import ConvergenceError
-from vsb.models.further_modes import by_all_modes
+from vsb.models.mode_convergence import by_all_modes
 from vsb.study.design import limit_of
 from vsb.tools.arrays import FloatArray
 
@@ -410,7 +410,7 @@ def left_out(changes: Sequence[float], least: float = 0.0) -> tuple[float, float
     changes : sequence of float
         By the degrees evaluated beyond that of the power, ascending, relative to it.
     least : float
-        See `vsb.models.further_modes.by_all_modes`.
+        See `vsb.models.mode_convergence.by_all_modes`.
     """
     low, high = by_all_modes(np.zeros(()), [np.zeros(()), *map(np.asarray, changes)], least=least)
     return float(low), float(high)

@@ -23,7 +23,7 @@ import numpy as np
 
 from vsb.design.evaluation import DAMPER, DesignModel, Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.further_modes import by_all_modes
+from vsb.models.mode_convergence import by_all_modes
 from vsb.study.design import DIVISORS, OF_RIGID, OF_WAVES, PARTS, Objective, Variable, limit_of
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

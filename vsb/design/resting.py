@@ -22,8 +22,15 @@ from vsb.engine.shell.rings import AttachmentModes
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.keys.quantities import at_key
-from vsb.models.rest import loaded_at_ring, loaded_shell, stiffness_about
-from vsb.models.ring_loads import Load, attachment_modes, ring_loads, tension_at
+from vsb.models.rest import (
+    Load,
+    attachment_modes,
+    loaded_at_ring,
+    loaded_shell,
+    ring_loads,
+    stiffness_about,
+    tension_at,
+)
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 

@@ -41,10 +41,10 @@ from scipy.optimize import brentq
 from vsb.design.limits import SeaMoments
 from vsb.design.resting import STEP
 from vsb.design.year import Damper, FrequencyGrid, PortYear, YearMotion, band, chebyshev
-from vsb.engine.motion.causal import KEPT, Controlled, RmsLimits, StationaryPort, optimum, steadiest
-from vsb.engine.motion.causal_slopes import Slopes, slopes
-from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix, priced_matrix
+from vsb.engine.motion.causal import KEPT, Controlled, RmsLimits, Slopes, StationaryPort, optimum, slopes, steadiest
+from vsb.engine.motion.port import Ports
 from vsb.engine.motion.take_off import Control
+from vsb.engine.motion.tuning import Kind, best_matrix, priced_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.seas import RESOLVED
 from vsb.models.stationary import BEYOND, grid

@@ -5,35 +5,54 @@ other kind.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import xarray as xr
 from scipy.linalg import block_diag
 
 from vsb.engine.hydro import database
-from vsb.engine.hydro.dofs import flexible
-from vsb.engine.hydro.orders import Directions
+from vsb.engine.hydro.database import Coefficients, shares
+from vsb.engine.hydro.dofs import Displacement, displacements, flexible
+from vsb.engine.hydro.orders import Directions, order_shares
 from vsb.engine.hydro.variables import is_rigid
-from vsb.engine.motion.coefficient_errors import CoefficientError, coefficient_errors, combined
-from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.coefficient_errors import (
+    INTERPOLATION,
+    RESOLVED,
+    CoefficientError,
+    coefficient_errors,
+    combined,
+    haskind_misfits,
+    relative_error,
+)
 from vsb.engine.motion.frequency import LinearEquation
-from vsb.engine.motion.linear import LinearSystem, with_open_chamber
-from vsb.engine.motion.port import Port, PortMotion, channels_reached, combination, port_direction
+from vsb.engine.motion.linear import LinearSystem, channelled, with_open_chamber
+from vsb.engine.motion.port import Port, PortMotion, Ports, channels_reached, combination, port_direction
 from vsb.engine.motion.take_off import DofPort
 from vsb.engine.motion.tuning import frequencies
-from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.modes import check_rank, mode_basis, rigid_basis
+from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
+from vsb.engine.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
+from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.shell.rings import HIGHEST
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.models.rest import design_motions, order_bases
-from vsb.models.ring_loads import stored_with_rings
+from vsb.models.rest import (
+    design_motions,
+    motions_to_degree,
+    order_bases,
+    seen_by_take_off,
+    side_by_side,
+    stored_with_rings,
+    viscous_parts,
+    whole_stiffness,
+    with_rings,
+)
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
 from vsb.study.study import Study
@@ -49,39 +68,15 @@ Heading = float | Directions
 """A direction [degrees], or one for every frequency."""
 
 
-class InWaves(NamedTuple):
+SeenPort = TypeVar("SeenPort", Port, Ports)
+
+
+class InWaves(NamedTuple, Generic[SeenPort]):
     """One design in waves of unit amplitude: what its take-off sees of it, and what moves with that."""
 
-    port: Port
+    port: SeenPort
     motion: PortMotion
-    moved: tuple[ComplexArray, ComplexArray]  # free, forced (omega, dof) [m/m], [m/N]
-
-    def position(self, damping: float, stiffness: float) -> ComplexArray:
-        """Return all degrees of freedom per wave amplitude under a damper and a spring, shape (omega, dof) [m/m]."""
-        load = self.port.load(damping, stiffness)
-        return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
-
-    def motion_under(self, force: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return heave (omega,) and shell (2, point, omega) per wave amplitude under a force (omega,) [m/m]."""
-        heave, shell = (free - force * forced for free, forced in (self.motion.heave, self.motion.shell))
-        return heave, shell
-
-
-class SeveralInWaves(NamedTuple):
-    """One design in waves of unit amplitude at several ports; see `InWaves`."""
-
-    port: Ports
-    moved: tuple[ComplexArray, ComplexArray]  # free (omega, dof) [m/m], forced (omega, dof, port) [m/N]
-    at: "AtFrequencies"
-
-    def motion(self, damping: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return heave (omega,) and shell (2, point, omega) per wave amplitude under a damper matrix [m/m]."""
-        return self.motion_under(self.port.velocity_under(damping) @ damping)
-
-    def motion_under(self, force: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return the same under forces per wave amplitude (omega, port)."""
-        moved = self.moved[0] - (self.moved[1] @ force[..., None])[..., 0]
-        return moved[:, 0], self.at.of_shell(moved)
+    moved: tuple[ComplexArray, ComplexArray]  # free (omega, dof) [m/m], forced (omega, dof) or (omega, dof, port) [m/N]
 
 
 @dataclass(frozen=True)
@@ -101,34 +96,38 @@ class AtFrequencies:
     def _ports(self) -> dict[str, Port]:
         return {design: self.equation.port(motions, self.port) for design, motions in self.motions.items()}
 
-    def in_waves(self) -> dict[str, InWaves]:
-        """Return every design in waves of unit amplitude, computed once."""
-        return dict(self._in_waves)
-
-    @cached_property
-    def _in_waves(self) -> dict[str, InWaves]:
-        return {design: self._of_design(motions) for design, motions in self.motions.items()}
-
     def several_ports(self) -> dict[str, Ports]:
         """Return what a damper matrix at several ports sees of every design."""
         return {design: self.equation.ports(motions, self.port) for design, motions in self.motions.items()}
 
-    def several_in_waves(self) -> dict[str, SeveralInWaves]:
-        """Return every design at several ports in waves of unit amplitude."""
-        return {
-            design: SeveralInWaves(port, self.equation.motion_of_ports(self.motions[design], self.port), self)
-            for design, port in self.several_ports().items()
-        }
+    def seen(self, stiffness: float = 0.0) -> Mapping[str, Port | Ports]:
+        """Return what the take-off sees of every design at its one port, beside its spring [N/m], or at several."""
+        return self.ports(stiffness) if self.port.ndim == 1 else self.several_ports()
 
-    def _of_design(self, motions: FloatArray) -> InWaves:
-        """One design."""
-        moved = self.equation.free_motion(motions, self.port)
-        heave, shell = zip(*((one[:, 0], self.of_shell(one)) for one in moved), strict=True)
-        port = self.equation.port_of_motion(*moved, motions, self.port)
-        return InWaves(port, PortMotion(heave, shell), moved)
+    def in_waves(self) -> dict[str, InWaves[Any]]:
+        """Return every design in waves of unit amplitude, computed once."""
+        return dict(self._in_waves)
+
+    @cached_property
+    def _in_waves(self) -> dict[str, InWaves[Any]]:
+        seen: Callable[..., Any] = self.equation.port_of_motion
+        if self.port.ndim == 2:
+            seen = self.equation.ports_of_motion
+        found = {}
+        for design, motions in self.motions.items():
+            free, forced = self.equation.free_motion(motions, self.port)
+            heave, shell = (free[:, 0], forced[:, 0]), (self.of_shell(free), self.of_shell(forced))
+            port = seen(free, forced, motions, self.port)
+            found[design] = InWaves(port, PortMotion(heave, shell), (free, forced))
+        return found
 
     def of_shell(self, amplitude: ComplexArray) -> ComplexArray:
-        """Return displacements of points of the shell without heave, (2, point, omega), of amplitudes (omega, dof)."""
+        """Return displacements of points of the shell without heave, of amplitudes (omega, dof) or (omega, dof, port).
+
+        Shape (2, point, omega) or (2, point, omega, port).
+        """
+        if amplitude.ndim == 3:
+            return np.stack([self.of_shell(one) for one in np.moveaxis(amplitude, 2, 0)], axis=-1)
         if self.shapes is None:
             return np.zeros((2, 0, len(amplitude)), dtype=complex)
         count, *places = self.shapes[1:].shape
@@ -206,7 +205,7 @@ def floating_system(
 ) -> FloatingSystem:
     """Return what floats in a study, or in the specification of a stage, from its database.
 
-    Degrees of its shell up to the highest answer loads at rings, see `vsb.models.ring_loads`.
+    Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`.
     """
     system = study.system if isinstance(study, SystemSpec) else study
     if isinstance(system, BodyStudy | BodySystem):
@@ -381,3 +380,215 @@ def port_in_seas(floating: FloatingSystem, design: str, seas: Sequence[tuple[Wav
         np.concatenate([getattr(port, name) for port in ports]) for name in ("omega", "admittance", "velocity")
     )
     return PortInSeas(Port(omega, admittance, velocity, ports[0].compliance), squares, places)
+
+
+# a buoy from the coefficients of its shape, which studies of other materials share ----------------------------------
+
+POINTS = 13
+"""Points of the meridian the shell's motion is given at, both poles and the equator among them."""
+KEPT = 32
+"""Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
+BUOYS = 4
+"""Buoys that are kept in the water of a shape: with the modes of a study, and with more of them."""
+GRIDS = 3
+"""Sets of frequencies whose coefficients are kept: of a climate, and two of the harmonics of an optimum."""
+OF_BUOY = {"device", "modes", "reference_shape", "designs", "water", "motion", "mooring"}
+"""Sections of a study that its buoy follows from, without what its take-off does."""
+OF_PORT = {"port", "held"}
+"""Keys of a take-off by which it sees the buoy."""
+STATED = ("error_estimate", "interpolation_error")
+"""Errors that blocks estimate of themselves."""
+
+
+@dataclass(frozen=True)
+class ShapeWater:
+    """Coefficients of the displacements of one wetted shape."""
+
+    displacements: tuple[Displacement, ...]
+    omega: FloatArray  # (omega,) [rad/s]
+    coefficients: Coefficients  # of the displacements
+    orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
+    resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
+    interpolation: float = 0.0
+    _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
+    _errors: dict[Any, list[CoefficientError]] = field(default_factory=dict, repr=False, compare=False)  # the last ones
+    _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last few
+
+    def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
+        """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
+        own = self._combined(shares(self.displacements, basis))
+        return Coefficients.side_by_side([own, *(self._of_family(each) for each in families)])
+
+    def buoy_of(self, key: str, made: Callable[[], AtFrequencies]) -> AtFrequencies:
+        """Return the buoy in this water that a key stands for, made if it is none of the last few."""
+        if key not in self._buoys:
+            if len(self._buoys) == BUOYS:
+                del self._buoys[next(iter(self._buoys))]
+            self._buoys[key] = made()
+        return self._buoys[key]
+
+    def _of_family(self, family: OrderBasis) -> Coefficients:
+        """Coefficients of one family of higher orders; of yaw, of order 0, which moves no water, none."""
+        if not family.order:
+            still = np.zeros((len(self.omega), 1, 1))
+            return Coefficients(still, still, still[..., 0].astype(complex))
+        water = self.orders[family.order - 1]
+        return water._combined(order_shares(water.displacements, family))
+
+    def errors(self, basis: ModeBasis, families: Sequence[OrderBasis], water: Water) -> list[CoefficientError]:
+        """Return the estimated errors of `in_modes`, as of `vsb.engine.motion.coefficient_errors`, added up."""
+        transform = shares(self.displacements, basis)
+        if (key := (transform.tobytes(), *families, water)) not in self._errors:
+            self._errors.clear()
+            self._errors[key] = combined(self._estimated(transform, self.in_modes(basis, families), water))
+        return self._errors[key]
+
+    def _estimated(self, transform: FloatArray, found: Coefficients, water: Water) -> list[CoefficientError]:
+        """Errors by source of the coefficients of combinations of the displacements, and of families."""
+        own = len(transform)
+        mass, damping, force = (self.interpolation * np.abs(values) for values in found)
+        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = haskind_misfits(
+            self.omega,
+            transform @ self.coefficients.damping @ transform.T,
+            found.damping[:, :own, :own],
+            found.excitation[:, :own],
+            water.depth,
+            water.density,
+            water.gravity,
+        )
+        between = Coefficients(mass, damping, force.astype(complex))
+        return [
+            relative_error(RESOLVED, found, self.resolution),
+            CoefficientError(INTERPOLATION, between, signed=False),
+        ]
+
+    def _combined(self, transform: FloatArray) -> Coefficients:
+        """Coefficients of combinations of the displacements, once for all materials that combine them alike."""
+        if (key := transform.tobytes()) not in self._known:
+            if len(self._known) == KEPT:
+                self._known.clear()
+            self._known[key] = self._transformed(transform)
+        return self._known[key]
+
+    def _transformed(self, transform: FloatArray) -> Coefficients:
+        """Those of one combination, which radiate through one channel as a buoy's do."""
+        added_mass, damping, excitation = self.coefficients
+        force, lost = excitation @ transform.T, transform @ damping @ transform.T
+        return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
+
+
+@dataclass(frozen=True)
+class SweptShape:
+    """A shape whose coefficients are solved, to be had at any frequencies of the band."""
+
+    buoys: tuple[LinearSystem, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    _known: dict[bytes, ShapeWater] = field(default_factory=dict, repr=False, compare=False)  # the last few
+
+    def at(self, omega: FloatArray) -> ShapeWater:
+        """Return the coefficients at frequencies; outside the band those of its nearest end."""
+        if (key := omega.tobytes()) not in self._known:
+            if len(self._known) == GRIDS:
+                del self._known[next(iter(self._known))]
+            self._known[key] = self._at(omega)
+        return self._known[key]
+
+    def _at(self, omega: FloatArray) -> ShapeWater:
+        """The coefficients at frequencies."""
+        known = np.clip(omega, *self.band)
+        first, *others = (
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
+            for order, buoy in enumerate(self.buoys)
+        )
+        attrs = [buoy.database.attrs for buoy in self.buoys]
+        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
+        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.buoys[0].database.omega.values[[0, -1]]
+        return float(first), float(last)
+
+
+@dataclass(frozen=True)
+class BuoyOfShape:
+    """The buoy of a study at rest in the coefficients of its shape, which studies of other materials share."""
+
+    study: Study
+    reference: ReferenceShell
+    swept: SweptShape
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        return self.swept.band
+
+    @property
+    def moving(self) -> ReferenceShell:
+        """Its shell at rest with all degrees of freedom it moves in: also the modes of rings that are loaded."""
+        return with_rings(self.study, self.reference)
+
+    def at(self, omega: FloatArray) -> AtFrequencies:
+        """Return it at frequencies; outside the band with the coefficients of its nearest end.
+
+        Kept for members of a campaign that differ by what their take-off does alone.
+        """
+        return kept_buoy(self.study, self.reference, self.swept.at(omega))
+
+    def errors(self, omega: FloatArray) -> list[CoefficientError]:
+        """Return the estimated errors of its coefficients at frequencies."""
+        basis = self.moving.basis
+        return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
+
+
+def kept_buoy(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
+    """Return the same as `buoy_at`, kept for studies that differ by what their take-off does alone."""
+    parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
+    return water.buoy_of(" ".join(parts), lambda: buoy_at(study, reference, water))
+
+
+def buoy_at(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:
+    """Return the buoy of a study at the frequencies of the coefficients of its shape.
+
+    Parameters
+    ----------
+    study : Study or BuoySystem
+    reference : ReferenceShell
+    water : ShapeWater
+    degree : int, optional
+        Of a study in heave: higher shell modes of its basis are held, but for what they do under loads at rings.
+    """
+    reference = with_rings(study, reference, degree)
+    basis, families = reference.basis, order_bases(study, reference.basis)
+    seen, chamber = seen_by_take_off(study, reference)
+    inertia, damping = (
+        side_by_side(getattr(basis, name), *(getattr(each, name) for each in families))
+        for name in ("inertia", "damping")
+    )
+    omega, stiffness = water.omega, whole_stiffness(study, seen)
+    lossy, stiffer = viscous_parts(study, reference, omega) if study.device.damping.maxwell else (0.0, 0.0)
+    equation = LinearEquation(
+        omega, water.in_modes(basis, families), inertia, damping + lossy, stiffness, stiffer, chamber
+    )
+    motions = {design: design_motions(study, basis, design) for design in study.designs}
+    if degree is not None:
+        motions = {design: motions_to_degree(study, basis, design, degree) for design in study.designs}
+    port = port_direction(study.pto.port, reference.shape, families)
+    return AtFrequencies(equation, motions, port, shell_shapes(basis, families))
+
+
+def shell_shapes(basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> FloatArray:
+    """Return displacements in both directions of points of a meridian, rigid motions none, (dof, 2, point) [-].
+
+    With families of higher orders on both meridians in the plane of the waves, theta = 0 and pi.
+    """
+    at = np.linspace(0.0, np.pi, POINTS)
+    axisymmetric = np.stack(basis.displacement(at), axis=1)
+    if not families:
+        return axisymmetric
+    found = [np.concatenate([axisymmetric, axisymmetric], axis=2)]
+    for each in families:
+        one = np.stack(each.field(at)[:2], axis=1)
+        one[: each.rigid] = 0.0
+        found.append(np.concatenate([one, (-1) ** each.order * one], axis=2))
+    return np.concatenate(found)

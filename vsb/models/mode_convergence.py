@@ -2,7 +2,7 @@
 
 The degree of a basis follows from the stiffness of the wall (`vsb.study.resolution`); here powers are computed with it
 and with up to twice as many degrees. Where a load acts at a ring of a sphere the static answer of all further degrees
-to it is part of all of them (`vsb.models.ring_loads`).
+to it is part of all of them (`vsb.models.rest`).
 """
 
 import math
@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,10 +19,9 @@ from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.orders import heading_shares, with_haskind_damping
 from vsb.engine.hydro.spectral.solver import FEWEST_NODES, MOST_NODES, SpectralProblem, incident_wave, resolved
 from vsb.engine.hydro.sweep import on_grid
-from vsb.engine.motion.damper_matrix import Ports, best_matrix
-from vsb.engine.motion.port import Port
+from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
-from vsb.engine.motion.tuning import best_dampers, best_pairs, mean_power
+from vsb.engine.motion.tuning import best_dampers, best_matrix, best_pairs, mean_power
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.orders import goes_with_sine
 from vsb.engine.waves.climate import Climate
@@ -30,12 +29,10 @@ from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
-from vsb.models.floating_system import heading
-from vsb.models.ports import ShapeWater, kept_buoy
-from vsb.models.rest import order_bases, reference_shell
-from vsb.models.ring_loads import with_rings
+from vsb.models.floating_system import ShapeWater, heading, kept_buoy
+from vsb.models.rest import loaded_at_ring, order_bases, reference_shell, with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
-from vsb.study.resolution import degree_needed
+from vsb.study.resolution import bending_degree, degree_needed
 from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
 from vsb.study.specs import AnyBuoy
 from vsb.tools.arrays import FloatArray
@@ -303,7 +300,7 @@ def take_offs(pto: Pto) -> tuple[str, ...]:
 
 
 def powers_of_ports(
-    ports: Mapping[str, Port | Ports],
+    ports: Mapping[str, Any],
     pto: Pto,
     squares: FloatArray,
     families: Sequence[int] | None = None,
@@ -326,7 +323,7 @@ def powers_of_ports(
     together = squares[list(families or range(len(squares)))].sum(axis=0)
     found = [
         _of_matrices(port, pto, design, squares, together)[: JUDGED if judged else None]
-        if isinstance(port, Ports)
+        if pto.several
         else _of_dampers(port, pto, design, squares, together, judged=judged)
         for design, port in ports.items()
     ]
@@ -395,3 +392,45 @@ def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:
     inside = (climate.omega <= highest) & (climate.mean_density > 0)
     variance = climate.mean_density * np.diff(climate.edges)
     return Sea(climate.omega[inside], np.sqrt(2 * variance[inside]).astype(complex))
+
+
+# what all further shell modes may change ----------------------------------------------------------------------------
+
+# From numbers with a basis, and with up to about twice as many degrees.
+
+SAFETY = 2.0
+"""At a ring of the shell errors fall unevenly: over what would be left if they did not [-]."""
+RESOLVED = 2.0
+"""Degree that resolves what bends about a loaded ring, over that at which bending is as stiff as the membrane [-]."""
+
+
+def by_all_modes(
+    before: FloatArray, finer: Sequence[FloatArray], reach: FloatArray | float = 1.0, least: FloatArray | float = 0.0
+) -> FloatArray:
+    """Return the range (..., end) about zero of what all modes change: to the last finer number, and as much beyond.
+
+    Parameters
+    ----------
+    before : ndarray
+        Numbers of which the change is asked.
+    finer : sequence of ndarray
+        The same with ascending degrees, to about twice the first of them.
+    reach : ndarray or float
+        What degrees beyond the last change at most, in terms of the span of these; 1 where errors fall like 1/degree.
+    least : ndarray or float
+        What they change at least, whatever the span: it may be small by chance.
+    """
+    change = finer[-1] - before
+    missed = np.maximum(reach * np.ptp(finer, axis=0), least)
+    return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
+
+
+def reach_of_modes(study: AnyBuoy, design: str, degree: int) -> float:
+    """Return what degrees beyond one may change, in terms of the change from half of it, where modes stand alone [-].
+
+    Errors fall like 1/degree or faster, but where a load acts at a ring of the shell. There each degree yields about as
+    much as the one before up to that at which bending is as stiff as the membrane.
+    """
+    if not loaded_at_ring(study, design):
+        return 1.0
+    return SAFETY * max(1.0, 2 * RESOLVED * bending_degree(study) / degree - 2)

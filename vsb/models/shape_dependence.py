@@ -191,7 +191,12 @@ def study_powers(motion: StudyMotion, family: ShapeFamily, database: ShapeDataba
         return xr.Dataset()
     designs, waves = (list(dict.fromkeys(names)) for names in zip(*motion.runs, strict=True))
     table = (len(designs), len(waves))
-    reference, passed = zip(*(_run_powers(motion, database, run) for run in motion.runs), strict=True)
+    reference, passed = [], []  # with coefficients of the reference shape, and of every shape passed through
+    for run, (incident, motions) in motion.runs.items():
+        shapes = [np.zeros(len(database.labels)), *motion.shapes(*run)]
+        powers = [mean_power(motion.buoy, database.at(incident.omega, shape), incident, motions) for shape in shapes]
+        reference.append(powers[0])
+        passed.append(powers[1:])
     ds = xr.Dataset(
         {
             "power_at_reference": (("design", "wave"), np.reshape(reference, table)),
@@ -204,14 +209,6 @@ def study_powers(motion: StudyMotion, family: ShapeFamily, database: ShapeDataba
     except ConvergenceError:
         return ds
     return ds.assign(power_at_rest=(("design", "wave"), resting))
-
-
-def _run_powers(motion: StudyMotion, database: ShapeDatabase, run: tuple[str, str]) -> tuple[float, list[float]]:
-    """Mean power [W] with coefficients of the reference shape, and of every shape passed through."""
-    waves, motions = motion.runs[run]
-    shapes = [np.zeros(len(database.labels)), *motion.shapes(*run)]
-    reference, *passed = (mean_power(motion.buoy, database.at(waves.omega, shape), waves, motions) for shape in shapes)
-    return reference, passed
 
 
 def _power_at_rest(motion: StudyMotion, family: ShapeFamily, run: tuple[str, str]) -> float:

@@ -1,18 +1,18 @@
 """Causal control in a stationary sea: ports at equally spaced frequencies to beyond the band, controllers in time."""
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from vsb.engine.integrators.switching import Mode, Switching
-from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, optimum
-from vsb.engine.motion.causal_ports import StationaryPorts
+from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, StationaryPorts, optimum
 from vsb.engine.motion.controller import Controller, achieved, realised, within_limit
-from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.drag import GAUSSIAN, MOST_TURNS
-from vsb.engine.motion.port import Port
+from vsb.engine.motion.frequency import LinearEquation
+from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto, named_ports, port_kind
@@ -21,10 +21,10 @@ from vsb.engine.waves.kinds import Irregular, Wave
 from vsb.engine.waves.seas import RESOLVED, Sea
 from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.models.drag import dragged_port
-from vsb.models.floating_system import FloatingSystem, heading, heading_in, port_in_seas
+from vsb.models.floating_system import AtFrequencies, FloatingSystem, heading, heading_in, port_in_seas
+from vsb.models.take_off import dragged_port
 from vsb.study.specs import AnySystem
-from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray
 
 BEYOND = 4.0
 """End of the frequencies of a controller, over that of the band: its force may change within a time step."""
@@ -34,8 +34,8 @@ POINTS = 64
 """Frequencies beyond the band at which the port is computed; between them it is interpolated."""
 
 
-def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, StationaryPort]:
-    """Return the ports of all designs in a sea whose components carry its spectrum.
+def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, Any]:
+    """Return the port of all designs, or their several ports, in a sea whose components carry its spectrum.
 
     Parameters
     ----------
@@ -48,24 +48,45 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     Outside the band ports have the coefficients of its nearest end. Of a record and of white noise the spectrum is
     taken at frequencies of its own, of a record averaged (`vsb.engine.waves.kinds.RecordedSea.density`). The directions
     of a spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
+    Buoys with several ports are of revolution, and answer waves of all directions alike.
     """
     sea, spacing, at, count = _on_grid(floating, wave, sea)
-    inside, beyond = grid(spacing, count)
+
+    def seen(equation: LinearEquation) -> Mapping[str, Port | Ports]:
+        return AtFrequencies(equation, floating.motions, floating.port).seen()
+
     linear = floating.towards(heading(wave))
-    near, far = linear.extended_equation(inside), linear.extended_equation(beyond)
-    spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
+    near, far = (seen(linear.extended_equation(omega)) for omega in grid(spacing, count))
+    free = {design: port.velocity[at] for design, port in near.items()}
+    spread = sea.heading is not None and floating.port.ndim == 1
+    if spread:
+        there = seen(floating.towards(heading_in(wave, sea)).equation(sea.omega))
+        free = {design: port.velocity for design, port in there.items()}
     spreading = wave.spreading if wave.drawn else None
-    parts = spreading.directions if spreading else PARTS
     found = {}
-    for design, motions in floating.motions.items():
-        port = near.port(motions, floating.port)
-        free = port.velocity[at] if spread is None else spread.port(motions, floating.port).velocity
-        density: FloatArray = np.zeros(count)
-        density[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
-        if spread is not None:
-            density = _averaged(density, parts)
-        found[design] = continued(spacing, port, far.port(motions, floating.port), density)
+    for design, port in near.items():
+        own = free_density(free[design], np.abs(sea.amplitude) ** 2 / (2 * spacing))
+        density = np.zeros((count, *own.shape[1:]), dtype=own.dtype)
+        density[at] = own
+        if spread:
+            density = _averaged(density, spreading.directions if spreading else PARTS)
+        found[design] = continued(spacing, port, far[design], density)
     return found
+
+
+def free_density(velocity: ComplexArray, spectrum: FloatArray) -> AnyArray:
+    """Return the density V0 V0^H S of the free velocities of several ports in a sea, of one port |V0|^2 S.
+
+    Parameters
+    ----------
+    velocity : ndarray, shape (omega,) or (omega, port)
+        V0 per wave amplitude [1/s].
+    spectrum : ndarray, shape (omega,)
+        S [m^2 s].
+    """
+    if velocity.ndim == 1:
+        return np.asarray(np.abs(velocity) ** 2 * spectrum)
+    return np.asarray(velocity[:, :, None] * velocity[:, None].conj() * spectrum[:, None, None])
 
 
 class BesideDrag(NamedTuple):
@@ -98,7 +119,7 @@ def optimum_with_drag(
 
     def beside(damping: FloatArray) -> tuple[Port, StationaryPort]:
         seen = near.beside(damping)
-        density = np.abs(seen.velocity) ** 2 * squares / (2 * spacing)
+        density = free_density(seen.velocity, squares / (2 * spacing))
         return seen, continued(spacing, seen, far.beside(damping), density)
 
     none = np.zeros(len(near.coefficient))
@@ -118,39 +139,14 @@ def optimum_with_drag(
 def _on_grid(floating: FloatingSystem, wave: Irregular, sea: Sea) -> tuple[Sea, float, IntArray, int]:
     """A sea, the spacing of a controller's frequencies, the places of its components, and how many the band has."""
     if not wave.even_components:
-        sea = _of_density(wave, floating.band)
+        low, high = floating.band  # components at the centres of equal bands that begin at zero
+        width = RESOLVED * wave.omega
+        omega = (np.arange(int(high / width)) + 0.5) * width
+        omega = omega[omega >= low]
+        sea = Sea(omega, np.sqrt(2 * wave.density(omega) * width).astype(complex))
     spacing = float(np.diff(sea.omega).min())
     at = np.rint(sea.omega / spacing - 0.5).astype(int)
     return sea, spacing, at, int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
-
-
-def stationary_several(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, StationaryPorts]:
-    """Return several ports of all designs in a sea whose components carry its spectrum, see `stationary_ports`.
-
-    Of buoys of revolution, which answer waves of all directions alike.
-    """
-    sea, spacing, at, count = _on_grid(floating, wave, sea)
-    inside, beyond = grid(spacing, count)
-    near, far = floating.linear.extended_equation(inside), floating.linear.extended_equation(beyond)
-    found = {}
-    for design, motions in floating.motions.items():
-        ports, further = near.ports(motions, floating.port), far.ports(motions, floating.port)
-        free = np.zeros_like(ports.velocity)
-        free[at] = ports.velocity[at] * (np.abs(sea.amplitude) / np.sqrt(2 * spacing))[:, None]
-        found[design] = continued_several(spacing, ports, further, free[:, :, None] * free[:, None].conj())
-    return found
-
-
-def continued_several(spacing: float, near: Ports, far: Ports, density: ComplexArray) -> StationaryPorts:
-    """Return several ports known at both frequencies of `grid`, with densities of free velocities, as `continued`."""
-    count = len(near.omega)
-    omega = (np.arange(int(BEYOND * count)) + 0.5) * spacing
-    between = make_interp_spline(np.log(far.omega), far.admittance, k=1)
-    beyond = between(np.log(omega[count:]))
-    admittance = np.concatenate([near.admittance, beyond])
-    loss, along = np.linalg.eigh(admittance.real)
-    passive = (along * np.maximum(loss, 0.0)[:, None]) @ along.swapaxes(1, 2)
-    return StationaryPorts(spacing, passive + 1j * admittance.imag, np.concatenate([density, np.zeros_like(beyond)]))
 
 
 def grid(spacing: float, count: int, beyond: float = BEYOND) -> tuple[FloatArray, FloatArray]:
@@ -159,13 +155,19 @@ def grid(spacing: float, count: int, beyond: float = BEYOND) -> tuple[FloatArray
     return (np.arange(count) + 0.5) * spacing, np.geomspace(first, last, POINTS)
 
 
-def continued(spacing: float, near: Port, far: Port, density: FloatArray) -> StationaryPort:
-    """Return a port known at both frequencies of `grid`, with a density of its free velocity in the band [m^2/s]."""
+def continued(spacing: float, near: Port | Ports, far: Port | Ports, density: AnyArray) -> Any:
+    """Return a port, or several, known at both frequencies of `grid`, with the density of its free velocity there.
+
+    Where no waves are that the port would show, Re Y is made passive.
+    """
     count, omega = len(near.omega), (np.arange(int(BEYOND * len(near.omega))) + 0.5) * spacing
-    beyond = np.interp(np.log(omega[count:]), np.log(far.omega), far.admittance)
-    admittance = np.append(near.admittance, beyond)
-    passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
-    return StationaryPort(spacing, passive, np.append(density, np.zeros(len(beyond))))
+    beyond = make_interp_spline(np.log(far.omega), far.admittance, k=1)(np.log(omega[count:]))
+    admittance, spectrum = np.concatenate([near.admittance, beyond]), np.concatenate([density, np.zeros_like(beyond)])
+    if admittance.ndim == 1:
+        return StationaryPort(spacing, np.maximum(admittance.real, 0.0) + 1j * admittance.imag, spectrum.real)
+    loss, along = np.linalg.eigh(admittance.real)
+    passive = (along * np.maximum(loss, 0.0)[:, None]) @ along.swapaxes(1, 2)
+    return StationaryPorts(spacing, passive + 1j * admittance.imag, spectrum)
 
 
 def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
@@ -179,8 +181,7 @@ def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
     if (force := rms_force(pto, np.inf)) < np.inf:
         return RmsLimits(force, pto.stroke_limit)
     best = best_dampers(seen, squares[None], pto.stiffness, pto.efficiency)
-    load = seen.load(best.damping, best.stiffness)[0]
-    square = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
+    square = 0.5 * np.abs(seen.force(best.damping, pto.stiffness)[0]) ** 2 @ squares
     return RmsLimits(float(np.sqrt(square)), pto.stroke_limit)
 
 
@@ -273,11 +274,3 @@ def _averaged(density: FloatArray, parts: int) -> FloatArray:
     kernel[[0, -1]] /= 2
     once = np.convolve(density, kernel, mode="same")
     return np.asarray(np.maximum(2 * once - np.convolve(once, kernel, mode="same"), 0.0))
-
-
-def _of_density(wave: Irregular, band: tuple[float, float]) -> Sea:
-    """Components with the spectrum of a sea, at the centres of equal bands that begin at zero."""
-    spacing = RESOLVED * wave.omega
-    omega = (np.arange(int(band[1] / spacing)) + 0.5) * spacing
-    omega = omega[omega >= band[0]]
-    return Sea(omega, np.sqrt(2 * wave.density(omega) * spacing).astype(complex))

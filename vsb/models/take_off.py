@@ -1,23 +1,27 @@
-"""The take-off of a study as forces of a scene, its damper as given or as the linear port wants it."""
+"""The take-off of a study and its drag as forces of a scene; its damper as given or as the linear port wants it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from vsb.engine.motion import drag
-from vsb.engine.motion.damper_matrix import Kind, best_matrix
-from vsb.engine.motion.forces import EndStop, Force, PortForce, TakeOff
+from vsb.engine.motion.drag import DraggedPort
+from vsb.engine.motion.forces import EndStop, Force, PortForce, QuadraticDrag, TakeOff
 from vsb.engine.motion.frequency import allowed_part, compliance
 from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.take_off import Pto, SeveralPorts, distribution_of, entry_point, port_kind
-from vsb.engine.motion.tuning import best_dampers, frequencies, squares
+from vsb.engine.motion.tuning import Kind, best_dampers, best_matrix, frequencies, squares
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.water import horizontal_velocity, vertical_velocity
 from vsb.errors import ConfigError
-from vsb.models.floating_system import FloatingSystem, headings, port_in_seas
-from vsb.tools.arrays import FloatArray
+from vsb.models.floating_system import FloatingSystem, heading, headings, port_in_seas
+from vsb.study.sections import Plate, Vane
+from vsb.study.specs import AnySystem, BodySystem
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 STIFFER = 100.0
 """Spring of an end stop over the buoy's own stiffness at the port: it yields by some per cent of what it stops."""
@@ -40,7 +44,7 @@ FORCES: dict[str, Callable[[Pto, FloatArray, float, float], Force]] = {
 }
 """Law of `vsb.engine.motion.take_off.LAWS`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 
-Latching times are found in a sea (`vsb.models.latching`), and so is a causal controller (`vsb.models.stationary`)."""
+Latching times are found in a sea (`vsb.models.build`), and so is a causal controller (`vsb.models.stationary`)."""
 
 
 def law_of_package(pto: Pto, port: FloatArray, rest: float) -> PortForce:
@@ -88,7 +92,13 @@ def tuned_take_off(
         Floating system, design, frequencies by direction -> its port with drag, where there is drag.
     """
     if pto.several:
-        return LinearPto(_damper_matrix(pto, design, floating, seas), port=floating.port)
+        matrix = given_matrix(pto, design, floating.port.shape[1])
+        if matrix is None:
+            together = [sea for _, sea in _with_waves(pto, seas)]
+            omega = frequencies(together)
+            ports, sums = floating.several_ports(omega)[design], squares(together, omega).sum(axis=0)
+            matrix = best_matrix(ports, sums, matrix_kind(pto)).damping
+        return LinearPto(matrix, port=floating.port)
     damper = pto.damper(design)
     if pto.tuning != "fixed":
         moving = _with_waves(pto, seas)
@@ -122,19 +132,16 @@ def given_matrix(pto: Pto, design: str, count: int) -> FloatArray | None:
     return None if damper is None or pto.tuning != "fixed" else damper * np.eye(count)
 
 
+def given_damper(pto: Pto, design: str, ports: tuple[int, ...]) -> FloatArray | float | None:
+    """Return the damper given [N s/m], whatever the tuning: of one port (), of several (count,) a damper matrix."""
+    if not ports:
+        return pto.damper(design)
+    return given_matrix(pto.model_copy(update={"tuning": "fixed"}), design, *ports)
+
+
 def matrix_kind(pto: Pto) -> Kind:
     """Return what the damper matrix of a take-off may be."""
     return pto.port.matrix if isinstance(pto.port, SeveralPorts) else "uniform"
-
-
-def _damper_matrix(pto: Pto, design: str, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]]) -> FloatArray:
-    """The damper matrix given, or the one that absorbs most in seas together."""
-    if (given := given_matrix(pto, design, floating.port.shape[1])) is not None:
-        return given
-    together = [sea for _, sea in _with_waves(pto, seas)]
-    omega = frequencies(together)
-    ports = floating.several_ports(omega)[design]
-    return best_matrix(ports, squares(together, omega).sum(axis=0), matrix_kind(pto)).damping
 
 
 def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
@@ -181,3 +188,86 @@ def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
         raise ConfigError("pto.stroke_limit: nothing holds this port at rest, so that no stroke counts from there")
     stiffness = STIFFER / yields
     return EndStop(port, stroke, stiffness, 2 * float(np.sqrt(stiffness * mass)))
+
+
+# quadratic drag, as a force of a scene and as linear theory sees it -------------------------------------------------
+
+LINEARISED = "linearised_power"
+"""Attribute of a run with drag: mean power of linear theory with the equivalent dampers of the drag [W]."""
+DAMPERS = "drag_damping"
+"""Attribute: those dampers, in the order of the drag's directions [N s/m], of rotations [N m s]."""
+
+
+def coefficients(plates: Iterable[Plate], density: float) -> FloatArray:
+    """Return rho C A/2 of every direction, shape (dragged,) [kg/m], of rotations times the lever's cube [kg m^2]."""
+    cubes = [(plate, plate.lever**3 if isinstance(plate, Vane) else 1.0) for plate in plates]
+    return np.array([0.5 * density * plate.coefficient * plate.area * cube for plate, cube in cubes])
+
+
+def dragged(names: Iterable[str], labels: Sequence[str]) -> FloatArray:
+    """Return the degrees of freedom that drag acts on as unit vectors, shape (dragged, dof) [-].
+
+    Raises `ConfigError` if there is no such degree of freedom.
+    """
+    for name in names:
+        if name not in labels:
+            raise ConfigError(f"drag.{name}: no such degree of freedom; needs some of {', '.join(labels)}")
+    return np.array([[float(label == name) for label in labels] for name in names])
+
+
+def flow(run: AnySystem, omega: FloatArray, direction: float) -> ComplexArray:
+    """Return the velocity of undisturbed waves at half the draft per amplitude, shape (omega, dragged) [1/s].
+
+    Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations
+    there is none. A body is dragged through still water, as WEC-Sim's `quadDrag` has it.
+    """
+    if isinstance(run, BodySystem):
+        return np.zeros((len(omega), len(run.plates)), dtype=complex)
+    water, height, towards = run.water, -0.5 * run.draft, np.deg2rad(direction)
+    along = horizontal_velocity(omega, height, water.depth, water.gravity)
+    known = {
+        "Surge": np.cos(towards) * along,
+        "Sway": np.sin(towards) * along,
+        "Heave": vertical_velocity(omega, height, water.depth, water.gravity),
+    }
+    return np.stack([known.get(name, 0.0 * along) for name in run.plates], axis=-1)
+
+
+def with_drag(scene: Scene, run: AnySystem, wave: Wave, sea: Sea) -> Scene:
+    """Return a scene with the drag of its study, if it has one."""
+    if not run.plates:
+        return scene
+    moved = sea.amplitude[:, None] * flow(run, sea.omega, heading(wave))
+    strength = coefficients(run.plates.values(), run.water.density)
+    force = QuadraticDrag(dragged(run.plates, scene.labels), strength, sea.omega, moved)
+    return replace(scene, forces={**scene.forces, "drag": force})
+
+
+def dragged_port(
+    run: AnySystem, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]
+) -> DraggedPort:
+    """Return the port of a design of a study with drag, in waves of directions [degrees], each at its frequencies."""
+    labels, strength = floating.linear.labels, coefficients(run.plates.values(), run.water.density)
+    motions, directions = floating.motions[design], dragged(run.plates, labels)
+    return DraggedPort.joined(
+        [
+            DraggedPort.of(
+                floating.towards(at), omega, motions, floating.port, directions, flow(run, omega, at), strength
+            )
+            for at, omega in going.items()
+        ]
+    )
+
+
+def linearised(
+    run: AnySystem, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
+) -> dict[str, Any]:
+    """Return the attributes of a run with drag: equivalent dampers and the mean power of linear theory with them."""
+    if not (run.plates and sea.omega.size):
+        return {}
+    at = dragged_port(run, floating, design, {heading(wave): sea.omega})
+    waves, load = squares([sea], sea.omega), (np.array([float(pto.damping)]), np.array([pto.stiffness]))
+    return {
+        DAMPERS: [float(damper) for damper in at.equivalent(waves, *load)[0, 0]],
+        LINEARISED: float(at.powers(waves, *load)[0, 0]),
+    }

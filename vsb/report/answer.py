@@ -265,7 +265,7 @@ ELSEWHERE = (
 
 
 def elsewhere_table(lines: Lines) -> list[list[str]]:
-    """Return the cells of controllers in seas they are not tuned in, of lines of `vsb.results.forecast.Elsewhere`."""
+    """Return the cells of controllers in seas they are not tuned in, of lines of `vsb.results.gains.Elsewhere`."""
     return [
         [
             line["design"], line["sea"], f"{line['period']:.2f}", plain(line["power"]), plain(line["force_rms"]),

@@ -70,7 +70,7 @@ class StudyData:
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
     port: PortKind = FORCE
     ports: Mapping[str, PortKind] = field(default_factory=dict)  # of several by name
-    # of irregular seas by label, see `vsb.results.forecast.worth_of_knowledge`
+    # of irregular seas by label, see `vsb.results.gains.worth_of_knowledge`
     knowledge: Mapping[str, xr.Dataset] = field(default_factory=dict)
     raos: xr.DataArray = field(default_factory=xr.DataArray)  # (wave_direction, design, omega, dof), `PORT` among dof
 

@@ -9,7 +9,7 @@ from vsb.engine.motion.take_off import Control
 from vsb.report.answer import Answer
 from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.feasible import OF_EVERY_BUOY
-from vsb.tools.words import decimals_of, gains_within, plain, prefixed, superscripts, watts_within
+from vsb.tools.words import decimals_of, gains_within, plain, prefixed, superscripts, watts_within, within_text
 
 Facts = Mapping[str, Any]
 """What is known of a design problem, as `vsb.stages.design_results` keeps it."""
@@ -151,9 +151,10 @@ def objective_text(facts: Facts, name: str) -> str:
     numbers = [tuple(found[one]) for one in (FLEXIBLE, COMPETITOR)]
     whole = math.floor(math.log10(max(abs(value) for value, _, _ in numbers)))
     digits = decimals_of(numbers, max(0, 3 - whole), max(0, 5 - whole))
-    value, low, high = (f"{number:.{digits}f}" for number in found[name])
+    value, low, high = found[name]
+    text = within_text(f"{value:.{digits}f}", f"{low:.{digits}f}", f"{high:.{digits}f}")
     unit = superscripts(found["unit"]) + (" per unit of cost" if facts["maximise"] == "power_per_cost" else "")
-    return f"{OBJECTIVES[facts['maximise']]} {value} ({low} to {high}) {unit}"
+    return f"{OBJECTIVES[facts['maximise']]} {text} {unit}"
 
 
 def maximised(facts: Facts) -> list[str]:

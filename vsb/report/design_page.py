@@ -12,7 +12,7 @@ from vsb import __version__
 from vsb.design.certificate import VIOLATION
 from vsb.design.compared import COMPETITOR, FLEXIBLE, TWIN
 from vsb.design.problem import POWER
-from vsb.engine.motion.damper_matrix import matrix_text
+from vsb.engine.motion.tuning import matrix_text
 from vsb.report.campaign_page import FEWEST_OF_A_LINE
 from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
 from vsb.report.design_answer import (

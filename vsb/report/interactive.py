@@ -30,7 +30,7 @@ from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import superscripts
 
 if TYPE_CHECKING:
-    from vsb.results.force_steps import ForceSteps  # imports compiled code
+    from vsb.results.constrained_year import ForceSteps  # imports compiled code
 
 
 DASHES = {"-": "", "--": "7 3", "-.": "8 3 2 3", ":": "2 3"}

@@ -7,9 +7,31 @@ Both together add linearly.
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
+import numpy as np
+import xarray as xr
+
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.kinds import Wave
+from vsb.engine.waves.seas import Sea
 from vsb.errors import VsbError
+from vsb.models.floating_system import AnyBody, BuoyOfShape, Floating
+from vsb.models.mode_convergence import (
+    SAMPLED,
+    SOLVED_EACH,
+    ModeConvergence,
+    by_all_modes,
+    directed,
+    mean_sea,
+    reach_of_modes,
+    take_offs,
+)
+from vsb.models.rest import has_attachment_modes, loaded_at_ring
+from vsb.study.resolution import expected_change
+from vsb.study.specs import BuoySystem
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 
 Kind = Literal["bound", "statistic"]
 Rows = Sequence[Mapping[str, Any]]
@@ -112,3 +134,125 @@ def mean_budget(budgets: Sequence[Budget]) -> Budget:
         low, high = (total([abs(getattr(one, end)) for one in some]) / count for end in ("low", "high"))
         sources.append(Source(name, -low, high, kind, shared))
     return Budget(tuple(sources))
+
+
+# shell modes that a study leaves out: of powers and gains, in every sea and over a year -----------------------------
+
+SCATTER = 2.0
+"""Of powers of two degrees that do not share their water, over the tolerance of each [-]."""
+ENDS = ("low", "high")
+"""Of a range about zero: the value with all modes less the one computed."""
+
+
+def modes_left_out(
+    study: BuoySystem, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None
+) -> xr.Dataset:
+    """Return how far powers and gains may lie from those of a shell with all its modes.
+
+    Parameters
+    ----------
+    seas : sequence of (Wave, Sea)
+        Without still water.
+    families : sequence of int, optional
+        One sea of each, by index, that the damper for all seas is tuned to; by default all.
+
+    Returns
+    -------
+    xarray.Dataset
+        `power(design, wave, take_off, end)`, of the mean power [-], and `gain(design, wave, take_off, end)`, of the
+        gain over the reference design [percentage points], `end` as `ENDS`, `take_off` as of
+        `vsb.models.mode_convergence.take_offs`; empty of a rigid buoy, or without seas.
+
+    Notes
+    -----
+    The change from the basis of the study to the full basis of twice the degree that is enough for the tolerance, and
+    for all further degrees the span of powers up to there: they change less where errors fall like 1/degree or faster.
+    They fall like its power of 1.4 or, where a load acts at a ring of the shell, unevenly: there changes may be small
+    by chance, and count at least what is to be expected (`vsb.study.resolution.expected_change`).
+    """
+    if not study.flexible or not seas:
+        return xr.Dataset()
+    found = _left_out(ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families))
+    dims = ("design", "wave", "take_off", "end")
+    coords = {
+        "design": list(study.designs),
+        "wave": [wave.label for wave, _ in seas],
+        "take_off": list(take_offs(study.pto)),
+        "end": list(ENDS),
+    }
+    return xr.Dataset({name: (dims, values) for name, values in found._asdict().items()}, coords)
+
+
+class LeftOut(NamedTuple):
+    """Errors of mean powers and of their gains by shell modes left out, the last dimension as `ENDS`."""
+
+    power: FloatArray  # relative [-]
+    gain: FloatArray  # over the reference, 0 without one [percentage points]
+
+
+def left_out_of_year(study: Study | AnyBody, floating: Floating, climate: Climate) -> LeftOut:
+    """Return how far a year's mean power and its gain may lie from those of a shell with all its modes.
+
+    Parameters
+    ----------
+    study : Study or BodyStudy
+        Of viable designs.
+    floating : Floating
+        What floats in it; a body has the modes of its files, and leaves out no others that are known.
+
+    Returns
+    -------
+    LeftOut
+        Shape (design, end), the wider of the damper given and the optimal one; 0 of what has no shell modes of this
+        project.
+
+    Notes
+    -----
+    As in `modes_left_out`, in the mean spectrum of the year, from which its mean power follows.
+    """
+    if not isinstance(floating, BuoyOfShape) or not floating.study.flexible:
+        return LeftOut(*np.zeros((2, len(study.designs), len(ENDS))))
+    buoy = floating.study
+    found = _left_out(ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True))
+    widest = [np.stack([one[:, 0, :, 0].min(axis=1), one[:, 0, :, 1].max(axis=1)], axis=-1) for one in found]
+    return LeftOut(*widest)
+
+
+def _left_out(convergence: ModeConvergence) -> LeftOut:
+    """The same of every sea and take-off, (design, sea, take-off, end)."""
+    study, finer = convergence.study, convergence.compared
+    own = study.modes.basis == "full" and study.modes.max_degree == convergence.enough < convergence.finer
+    before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
+    at_ring = np.array([loaded_at_ring(study, design) for design in study.designs])
+    share = expected_change(study, convergence.enough) * at_ring
+    if study.at_equilibrium:  # each degree has its own water
+        share = np.maximum(share, SCATTER * SOLVED_EACH)
+    expected = share[:, None, None] * before
+    alone = not has_attachment_modes(study)
+    far = np.array([reach_of_modes(study, one, convergence.finer) if alone else 1.0 for one in study.designs])
+    if 0 < convergence.finer - convergence.enough < convergence.enough:  # errors like 1/degree
+        far = far * convergence.enough / (convergence.finer - convergence.enough)
+    reach = SAMPLED + far[:, None, None]
+    power = _relative(by_all_modes(before, finer, reach, expected), before)
+    gain = np.zeros_like(power)
+    if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
+        power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
+    if (reference := study.reference_design) is not None:
+        at = list(study.designs).index(reference)
+        base = before[[at]]
+        points = np.divide(100 * expected, base, out=np.zeros_like(before), where=base > 0)
+        gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], reach, points)
+        gain[at] = 0.0  # over itself
+    return LeftOut(power, gain)
+
+
+def _gains(power: FloatArray, at: int) -> FloatArray:
+    """Gains over one of the designs, of powers (design, sea, take-off) [percentage points]; 0 over no power."""
+    base = np.broadcast_to(power[[at]], power.shape)
+    return np.divide(100 * (power - base), base, out=np.zeros_like(power), where=base > 0)
+
+
+def _relative(bounds: FloatArray, size: FloatArray) -> FloatArray:
+    """Bounds (..., end) in terms of powers (...); 0 of no power."""
+    there = np.broadcast_to((size > 0)[..., None], bounds.shape)
+    return np.divide(bounds, size[..., None], out=np.zeros_like(bounds), where=there)

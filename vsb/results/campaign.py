@@ -1,20 +1,43 @@
-"""All members of a campaign together: one dimension for each varied key, and the same as a tidy table."""
+"""Members of a campaign, and all of them together: one dimension for each varied key, and the same as a table."""
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.damper_matrix import matrix_text
-from vsb.engine.motion.take_off import port_kind
-from vsb.pipeline.plans import VARIABLES
-from vsb.results.member import SAME_FOR_ALL
-from vsb.results.year import POWER_ENDS
+from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
+from vsb.engine.motion.port import Port, Ports
+from vsb.engine.motion.take_off import named_ports, port_kind
+from vsb.engine.motion.tuning import matrix_text
+from vsb.engine.waves.climate import Climate
+from vsb.models.floating_system import AnyBody, Floating, InWaves
+from vsb.models.take_off import given_damper, matrix_kind
+from vsb.models.viability import Viability, with_designs
+from vsb.results.budget import LeftOut, left_out_of_year
+from vsb.results.causal_year import causal_years
+from vsb.results.year import (
+    POWER_ENDS,
+    DesignYear,
+    Tuning,
+    Values,
+    Year,
+    beyond_validity,
+    bins_of,
+    frequencies,
+    limits_of,
+    motion_rms,
+    within_errors,
+    year,
+)
 from vsb.study.body import BodyDesign
-from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
+from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Tunings, leading_tuning
+from vsb.study.design import VARIABLES
 from vsb.study.specs import CampaignSpec
-from vsb.study.study import first_rigid
+from vsb.study.study import Study, first_rigid
 from vsb.study.vary import MEMBER, PORT, unit
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.variables import PortKind
@@ -192,3 +215,266 @@ def _cell(value: object) -> object:
     if isinstance(value, float):
         return "" if np.isnan(value) else f"{value:.12g}"
     return value
+
+
+# a member: the designs of one study over a site's year under every tuning, gains and their intervals ----------------
+
+# A rigid design does not depend on material and thickness: members share its year, computed once.
+
+Labels = dict[str, list[str]]
+YearsWithin = Callable[[Study | AnyBody, Floating, Climate, LeftOut | None], xr.Dataset]
+"""Study of viable designs, what floats in it, climate, shell modes left out -> their years within limits."""
+
+BINS = ("hs", "te")
+OF_DESIGNS = (
+    "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
+    "practice_power", "quadrature_error", "energy_beyond_validity", *POWER_ENDS,
+)  # fmt: skip
+MATRICES = (
+    "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
+)  # fmt: skip
+MATRIX = "damper_matrix"
+OF_DAMPERS = ("force_rms", "damping")
+"""Variables that a take-off of one damper has alone; of several ports there is a matrix."""
+CURVES = ("tried_damping", "power_of_damping", "force_of_damping")
+OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
+"""Variables of designs that only optima within limits have."""
+OF_ALL: dict[str, tuple[str, ...]] = {"viable": ("design",), "reason": ("design",), "margin": ()}
+"""Variables of every design, viable or not, and of the shell."""
+TRIED = np.geomspace(1 / 30, 30, 61)
+"""Dampers the curves are computed at, over the best one for the year."""
+KEPT = 32
+"""Rigid designs whose years are kept."""
+
+SAME_FOR_ALL = ("count", "occurrence")
+"""Variables of the year alone."""
+
+
+def member(
+    rest: Viability,
+    floating: Callable[[], Floating],
+    climate: Climate,
+    tunings: Sequence[Tunings],
+    optima: YearsWithin | None = None,
+    known: dict[bytes, Values] | None = None,
+) -> xr.Dataset:
+    """Return the year of every design of a study under every tuning; NaN of designs that are not viable.
+
+    Parameters
+    ----------
+    rest : Viability
+        Of the study, a buoy's or a body's.
+    floating : callable
+        Returns what floats of the designs that are viable; not called where none is.
+    tunings : sequence of {'fixed', 'one', 'each', 'damper_same_force', 'causal', 'constrained'}
+    optima : callable, optional
+        Computes the years within limits, `vsb.results.constrained_year.Optima`; needed for `constrained`.
+    known : dict, optional
+        Rigid designs of earlier members; added to.
+    """
+    study = rest.study
+    limits, compared = limits_of(radius_of(study)), study.reference_design is not None
+    names = (*(named_ports(study.pto) or ("shell",)),) if study.pto.several else ()
+    blank = _blank(tuple(study.designs), tuple(tunings), climate, limits, compared, names)
+    found = {name: (dims, values.copy()) for name, (dims, values) in _variables(blank).items()}
+    at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
+    if rest.designs:
+        some = with_designs(study, rest.designs)
+        system = floating()
+        omega = frequencies(climate, *system.band)
+        dampers = [one for one in tunings if one not in (*AT_FORCE, CONSTRAINED)]
+        damped = DampedYears(climate, dampers, {} if known is None else known)
+        here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
+        left_out = left_out_of_year(some, system, climate)
+        own = damped(some, system.at(omega).in_waves(), system.errors(omega), left_out)
+        _fill(found, at, own, here)
+        if at_force := [str(one) for one in tunings if one in AT_FORCE]:
+            _fill(found, at, causal_years(some, system, climate, at_force, left_out), here | {"tuning": at_force})
+        if optima:
+            within = optima(some, system, climate, left_out)
+            _fill(found, at, _variables(within), here | {"tuning": [CONSTRAINED]})
+    words = {**rest.doubts, **rest.reasons}
+    filled = {name: values for name, (_, values) in found.items()} | {
+        "viable": np.array([design not in rest.reasons for design in study.designs]),
+        "reason": np.array([words.get(design, "") for design in study.designs], dtype=object),
+        "margin": np.array(rest.margin),
+    }
+    flux = bins_of(climate).mean(climate.flux(study.water))
+    return blank.copy(data=filled).assign(flux_matrix=(BINS, flux))
+
+
+def _variables(ds: xr.Dataset) -> Values:
+    """Dimensions and values of the variables of a dataset."""
+    return {str(name): (tuple(map(str, ds.variables[name].dims)), ds.variables[name].values) for name in ds.data_vars}
+
+
+def radius_of(study: Study | AnyBody) -> float | None:
+    """Return the radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
+    return study.buoy.device.radius if study.buoy else None
+
+
+@lru_cache(maxsize=4)
+def _blank(
+    designs: tuple[str, ...],
+    tunings: tuple[str, ...],
+    climate: Climate,
+    limits: tuple[str, ...],
+    compared: bool,
+    ports: tuple[str, ...],
+) -> xr.Dataset:
+    """All variables without values, and how many seas a bin holds; made once, for it takes as long as to fill it."""
+    bins = bins_of(climate)
+    sizes = {"design": len(designs), "tuning": len(tunings), "limit": len(limits), "damper": len(TRIED)}
+    sizes |= dict(zip(BINS, bins.shape, strict=True))
+    names = [name for name in OF_DESIGNS if compared or not name.startswith("gain")]
+    dims: dict[str, tuple[str, ...]] = dict.fromkeys(names, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
+    dims |= {"energy_beyond": (*BY, "limit")}
+    if ports:
+        sizes |= {"port": len(ports), "port_": len(ports)}
+        dims = {name: of for name, of in dims.items() if name not in OF_DAMPERS} | {MATRIX: (*BY, "port", "port_")}
+    else:
+        dims |= dict.fromkeys(CURVES, ("design", "damper"))
+    dims |= dict.fromkeys(OF_LIMITS if CONSTRAINED in tunings else (), ("design",))
+    values: dict[str, tuple[tuple[str, ...], AnyArray]]
+    values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
+    of_all = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in OF_ALL.items()}
+    at = {"design": list(designs), "tuning": list(tunings), "limit": list(limits)}
+    at |= {"port": list(ports), "port_": list(ports)} if ports else {}
+    of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
+    of_year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
+    return xr.Dataset({**values, **of_year, **of_all}, coords=at | of_bins)
+
+
+def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
+    """Put the values of some designs, and of some tunings, in their places."""
+    for name in of.keys() & found.keys() - {*SAME_FOR_ALL, "flux_matrix"}:
+        dims, values = of[name]
+        places = [[at[dim].index(label) for label in here[dim]] for dim in BY if dim in dims]
+        found[name][1][np.ix_(*places)] = values
+
+
+def ports_year(
+    study: Study | AnyBody, ports: Mapping[str, Port | Ports], climate: Climate, tunings: Sequence[Tuning]
+) -> Year:
+    """Return the year of the designs of a study from their ports, beside the take-off's spring."""
+    given = {design: given_damper(study.pto, design, port.velocity.shape[1:]) for design, port in ports.items()}
+    kind, reference = matrix_kind(study.pto), study.reference_design
+    return year(ports, climate, study.water, tunings, given, reference, study.pto.efficiency, kind)
+
+
+@dataclass(frozen=True)
+class DampedYears:
+    """Years of designs under dampers, and their mean power over a damper that stays the same all year."""
+
+    climate: Climate
+    tunings: Sequence[Tuning]
+    known: dict[bytes, Values] = field(default_factory=dict)  # of rigid designs of earlier members
+
+    def __call__(
+        self,
+        study: Study | AnyBody,
+        waves: Mapping[str, InWaves[Any]],
+        errors: Sequence[CoefficientError] = (),
+        left_out: LeftOut | None = None,
+    ) -> Values:
+        """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
+
+        What of them is not known yet is computed together. Of damper matrices `damper_matrix(design, tuning, port,
+        port_)` is the mean over the year; of a damper spread over the shell it is its one damper.
+
+        Parameters
+        ----------
+        errors : sequence of CoefficientError, optional
+            Of the coefficients in these waves, `Floating.errors`.
+        left_out : LeftOut, optional
+            Errors by shell modes left out.
+        """
+        keys = {name: self._key(study, name, waves[name]) for name in waves if not study.designs[name].flexible}
+        parts = {name: self.known[key] for name, key in keys.items() if key in self.known}
+        if new := {name: one for name, one in waves.items() if name not in parts}:
+            found = self._computed(with_designs(study, list(new)), new)
+            for i, name in enumerate(new):
+                of_designs = {k: (dims[1:], values[i]) for k, (dims, values) in found.items() if dims[0] == "design"}
+                parts[name] = {k: value for k, value in of_designs.items() if not k.startswith("gain")}
+        if len(self.known) > KEPT:
+            self.known.clear()
+        self.known.update({key: parts[name] for name, key in keys.items()})
+        some = [parts[name] for name in waves]
+        together: dict[str, tuple[tuple[str, ...], AnyArray]] = {
+            name: (("design", *dims), np.stack([part[name][1] for part in some])) for name, (dims, _) in some[0].items()
+        }
+        if "annual_mean_power" not in together:
+            return together
+        return {**together, **self._intervals(study, waves, together, errors, left_out)}
+
+    def _key(self, study: Study | AnyBody, design: str, waves: InWaves[Any]) -> bytes:
+        """All that the year of a rigid design depends on in one climate."""
+        parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
+        pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
+        given = given_damper(pto, design, waves.port.velocity.shape[1:])
+        numbers = (pto.stiffness, pto.efficiency, radius_of(study) or 0.0, water.density, water.depth, water.gravity)
+        damper = np.asarray(0.0 if given is None else given)
+        return b"".join(part.tobytes() for part in (*parts, damper, np.array(numbers))) + matrix_kind(pto).encode()
+
+    def _computed(self, study: Study | AnyBody, waves: Mapping[str, InWaves[Any]]) -> Values:
+        """Results of designs that are not known yet."""
+        ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
+        if not self.tunings:
+            return {} if study.pto.several else self._curves(ports, None, study.pto.efficiency)
+        of = ports_year(study, ports, self.climate, self.tunings)
+
+        def motions(design: str, tuning: str) -> dict[str, FloatArray]:
+            dampers, chosen, _ = of.absorbed[design, tuning]
+            return motion_rms(waves[design], self.climate, dampers, chosen, study.pto.stiffness)
+
+        found = {**of.values, **beyond_validity(of, motions, radius_of(study))}
+        if not study.pto.several:
+            return {**found, **self._curves(ports, of, study.pto.efficiency)}
+        means = [[of.absorbed[one, t].mean_damper(self.climate.hours) for t in self.tunings] for one in of.designs]
+        found[MATRIX] = (*BY, "port", "port_"), np.array(means)
+        return found
+
+    def _curves(self, ports: Mapping[str, Port], of: Year | None, efficiency: float) -> Values:
+        """Mean power of the year and rms force of dampers that stay the same, each shape (design, damper)."""
+        years = [DesignYear(port, self.climate, efficiency) for port in ports.values()]
+        if of and "one" in self.tunings:
+            best = np.array([of.absorbed[design, "one"].dampers[0] for design in ports])
+        else:
+            best = DesignYear.best_for_year(years)
+        tried = np.outer(best, TRIED)
+        power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
+        found = (tried, power, np.sqrt(tried * power / efficiency))
+        return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
+
+    def _intervals(
+        self,
+        study: Study | AnyBody,
+        waves: Mapping[str, InWaves[Any]],
+        found: Mapping[str, tuple[tuple[str, ...], AnyArray]],
+        errors: Sequence[CoefficientError],
+        left_out: LeftOut | None,
+    ) -> Values:
+        """Intervals of powers by all known errors, gains over the reference under the same tuning, and theirs.
+
+        What errors of the coefficients do to powers and their ratio is taken at the given damper, else at the best one
+        for the year, near which the best ones of most of its energy lie; of damper matrices at their mean.
+        """
+        reference = None if study.reference_design is None else list(waves).index(study.reference_design)
+        power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
+        slopes = []
+        for j, tuning in enumerate(self.tunings):
+            own = []
+            for i, (design, one) in enumerate(waves.items()):
+                if study.pto.several:
+                    damper = found[MATRIX][1][i, j]
+                elif tuning == "fixed":
+                    damper = study.pto.damper(design) or 0.0
+                else:
+                    damper = found[CURVES[0]][1][i, len(TRIED) // 2]
+                squares = DesignYear(one.port, self.climate).squares
+                own.append(sensitivity(one.moved, one.port, one.port.load(damper, study.pto.stiffness), squares))
+            slopes.append(own)
+        intervals = within_errors(power, error, [slopes], errors, reference, left_out)
+        if study.pto.several and matrix_kind(study.pto) == "uniform":  # its one damper
+            intervals[MATRIX] = found[MATRIX][0], found[MATRIX][1][..., :1, :1]
+        return intervals

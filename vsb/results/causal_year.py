@@ -10,46 +10,39 @@ function (`vsb.engine.motion.tuning.converted_power`).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.interpolate import make_interp_spline
 
-from vsb.engine.motion.causal import Controlled, StationaryPort, numerical_error, optimum
-from vsb.engine.motion.causal_ports import StationaryPorts
-from vsb.engine.motion.causal_ports import optimum as optimum_of_several
+from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, StationaryPorts, numerical_error, optimum
 from vsb.engine.motion.coefficient_errors import (
-    CoefficientError,
-    Sensitivity,
     sensitivity,
-    sensitivity_at_ports,
     sensitivity_of_forces,
 )
-from vsb.engine.motion.damper_matrix import matrix_within_force
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto
-from vsb.engine.motion.tuning import converted_power, damper_within_force
-from vsb.engine.waves.climate import YEAR_HOURS, Climate
+from vsb.engine.motion.tuning import converted_power, damper_within_force, priced_matrix
+from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.seas import RESOLVED
-from vsb.models.floating_system import AnyBody, Floating, InWaves, SeveralInWaves
-from vsb.models.stationary import continued, continued_several, force_units, grid, rms_force, rms_limits
+from vsb.models.floating_system import AnyBody, Floating, InWaves
+from vsb.models.stationary import continued, force_units, free_density, grid, rms_force, rms_limits
 from vsb.models.take_off import matrix_kind
-from vsb.results.left_out import LeftOut
-from vsb.results.matrix_year import MatrixYear
+from vsb.results.budget import LeftOut
 from vsb.results.year import (
     DesignYear,
+    MatrixYear,
+    Slopes,
     Values,
     Year,
     band_weights,
-    best_for_all,
     bins_of,
+    design_year,
     frequencies,
-    gains_within,
-    powers_within,
+    within_errors,
+    year_of_bins,
 )
-from vsb.results.year_validity import beyond_in_bins
 from vsb.study.campaign import CAUSAL, SAME_FORCE
 from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -100,7 +93,7 @@ def scheduled(
 
     damper = damper_within_force(seen, squares[None], limits.force, pto.stiffness, pto.efficiency)
     load = seen.load(damper.damping, damper.stiffness)[0]
-    force = np.asarray(load * seen.velocity_under(load))
+    force = load * seen.velocity_under(load)
     stroke = float(np.sqrt(0.5 * np.abs((seen.velocity - seen.admittance * force) / seen.omega) ** 2 @ squares))
     each, share, rms = converted(force), hours / hours.sum(), float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares))
     damped = Scheduled(float(each @ share), 0.0, rms, force, of_seas=each, damping=float(damper.damping[0]))
@@ -139,7 +132,7 @@ def powers_of_seas(means: FloatArray, hours: FloatArray, efficiency: float, know
     return converted_power(power, np.sqrt(square * speed), efficiency) if efficiency < 1 else power
 
 
-def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: StationaryPorts) -> dict[str, Scheduled]:
+def scheduled_at_ports(pto: Pto, year: Any, squares: FloatArray, ports: StationaryPorts) -> dict[str, Scheduled]:
     """Return a damper matrix, and the causal control of its rms force, in the mean spectrum of a bin.
 
     The matrix is the best of a given rms force or, without one, of `MatrixYear.tried`, as in each sea. Parameters as of
@@ -147,10 +140,10 @@ def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: S
     """
     seen, noise, forecast = year.port, pto.control.noise, pto.control.forecast
     if pto.control.force_rms < np.inf:
-        matrix = matrix_within_force(seen, squares, pto.control.force_rms, year.kind).damping
+        matrix = priced_matrix(seen, squares, pto.control.force_rms, year.kind)[0].damping
     else:
         matrix = max(year.tried, key=lambda one: float(squares @ seen.power(one)))
-    power, force = float(squares @ seen.power(matrix)), seen.velocity_under(matrix) @ matrix
+    power, force = float(squares @ seen.power(matrix)), seen.force(matrix)
     rms = seen.force_rms(matrix, squares)
     damped = Scheduled(power, 0.0, float(np.linalg.norm(rms)), force, matrix)
     if not power > 0:
@@ -158,7 +151,8 @@ def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: S
     units = force_units(pto, rms)
     forces = np.diag(units) @ ports.over(np.diag(units)).moving()
     moved = ports.over(forces)
-    found = optimum_of_several(moved, rms_force(pto, float(np.linalg.norm(rms / units))), noise, forecast)
+    limits = RmsLimits(rms_force(pto, float(np.linalg.norm(rms / units))))
+    found = optimum(moved, limits, noise, forecast)
     ratio = float(squares @ seen.matched_power) / ports.matched_power
     if power >= ratio * found.power:
         return {SAME_FORCE: damped, CAUSAL: damped}
@@ -170,62 +164,26 @@ def scheduled_at_ports(pto: Pto, year: MatrixYear, squares: FloatArray, ports: S
     return {SAME_FORCE: damped, CAUSAL: Scheduled(ratio * found.power, error, together, own)}
 
 
-@dataclass(frozen=True)
-class _Spectra:
-    """Mean spectra of the bins of a year at the frequencies of its controllers, and where ports are to be known."""
-
-    spacing: float  # [rad/s]
-    inside: FloatArray  # in the band (omega,)
-    beyond: FloatArray  # beyond it
-    density: FloatArray  # (bin, omega) [m^2 s]
-
-    @classmethod
-    def of_year(cls, climate: Climate, omega_max: float) -> "_Spectra":
-        """Return those of a climate."""
-        spacing = RESOLVED * 2 * np.pi / float(climate.te @ climate.hours)
-        inside, beyond = grid(spacing, next_fast_len(int(np.ceil(omega_max / spacing))))
-        rows = bins_of(climate).mean_densities(climate)
-        return cls(
-            spacing,
-            inside,
-            beyond,
-            np.array([np.interp(inside, climate.omega, row, left=0.0, right=0.0) for row in rows]),
-        )
-
-
-def schedules_at_port(
-    study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, InWaves]
+def schedules(
+    study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, InWaves[Any]]
 ) -> dict[str, Schedule]:
-    """Return the schedule of every design at one port."""
-    spectra, bins = _Spectra.of_year(climate, floating.band[1]), bins_of(climate)
-    near, far = floating.at(spectra.inside).ports(), floating.at(spectra.beyond).ports()
-    density, found = bins.mean_densities(climate), dict[str, Schedule]()
+    """Return the schedule of every design."""
+    spacing = RESOLVED * 2 * np.pi / float(climate.te @ climate.hours)
+    inside, beyond = grid(spacing, next_fast_len(int(np.ceil(floating.band[1] / spacing))))
+    near, far = (floating.at(omega).seen() for omega in (inside, beyond))
+    bins, found = bins_of(climate), dict[str, Schedule]()
     for design, one in waves.items():
-        year, found[design] = DesignYear(one.port, climate), []
-        for place, row, spectrum in zip(bins.occupied, density, spectra.density, strict=True):
-            free = np.abs(near[design].velocity) ** 2 * spectrum
-            port = continued(spectra.spacing, near[design], far[design], free)
-            inside = bins.index == place
-            seas = climate.density[inside] @ year.weights
-            found[design].append(scheduled(study.pto, year, row @ year.weights, port, seas, climate.hours[inside]))
-    return found
-
-
-def schedules_at_ports(
-    study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, SeveralInWaves]
-) -> dict[str, Schedule]:
-    """Return the schedule of every design at several ports."""
-    spectra, kind = _Spectra.of_year(climate, floating.band[1]), matrix_kind(study.pto)
-    near, far = (floating.at(omega).several_ports() for omega in (spectra.inside, spectra.beyond))
-    density, found = bins_of(climate).mean_densities(climate), dict[str, Schedule]()
-    for design, one in waves.items():
-        year, found[design] = MatrixYear(one.port, climate, kind), []
-        free = near[design].velocity
-        square = free[:, :, None] * free[:, None].conj()
-        for row, spectrum in zip(density, spectra.density, strict=True):
-            seen = square * spectrum[:, None, None]
-            ports = continued_several(spectra.spacing, near[design], far[design], seen)
-            found[design].append(scheduled_at_ports(study.pto, year, row @ year.weights, ports))
+        year, found[design] = design_year(one.port, climate, kind=matrix_kind(study.pto)), []
+        for place, row in zip(bins.occupied, bins.mean_densities(climate), strict=True):
+            spectrum = np.interp(inside, climate.omega, row, left=0.0, right=0.0)
+            free = free_density(near[design].velocity, spectrum)
+            port = continued(spacing, near[design], far[design], free)
+            here, squares = bins.index == place, row @ year.weights
+            if study.pto.several:
+                found[design].append(scheduled_at_ports(study.pto, year, squares, port))
+            else:
+                seas = climate.density[here] @ year.weights
+                found[design].append(scheduled(study.pto, year, squares, port, seas, climate.hours[here]))
     return found
 
 
@@ -237,7 +195,7 @@ def year_of_schedules(study: Study | AnyBody, climate: Climate, schedules: Mappi
         for place, in_bin in zip(bins.occupied, schedule, strict=True):
             power[i, 0, bins.index == place] = in_bin[CAUSAL].of_seas
     names, none = (tuple(schedules), (CAUSAL,)), np.zeros((len(schedules), 1))
-    return Year(climate, study.water, *names, None, power, none, none, study.reference_design)
+    return Year(climate, study.water, *names, {}, power, none, none, study.reference_design)
 
 
 def causal_years(
@@ -258,28 +216,27 @@ def causal_years(
     """
     omega = frequencies(climate, *floating.band)
     at, errors = floating.at(omega), floating.errors(omega)
+    waves = at.in_waves()
+    own = schedules(study, floating, climate, waves)
+    values = _values(study, climate, waves, own, tunings)
     if study.pto.several:
-        several = at.several_in_waves()
-        schedules = schedules_at_ports(study, floating, climate, several)
-        values = _values(study, climate, several, schedules, tunings)
-        slopes = _slopes_at_ports(study, several, climate, schedules, values, tunings)
+        slopes = _slopes_at_ports(study, waves, climate, own, values, tunings)
     else:
-        waves = at.in_waves()
-        schedules = schedules_at_port(study, floating, climate, waves)
-        values = _values(study, climate, waves, schedules, tunings)
         slopes = _slopes(waves, climate)
-    return {**values, **_intervals(study, slopes, errors, values, left_out)}
+    reference = None if study.reference_design is None else list(study.designs).index(study.reference_design)
+    power, error = (np.asarray(values[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
+    return {**values, **within_errors(power, error, slopes, errors, reference, left_out)}
 
 
 def _values(
     study: Study | AnyBody,
     climate: Climate,
-    waves: Mapping[str, InWaves] | Mapping[str, SeveralInWaves],
+    waves: Mapping[str, InWaves[Any]],
     schedules: Mapping[str, Schedule],
     tunings: Sequence[str],
 ) -> Values:
     """Powers, forces and motions of the years of schedules."""
-    bins, flux = bins_of(climate), climate.flux(study.water)
+    bins = bins_of(climate)
     density, radius = bins.mean_densities(climate), study.buoy.device.radius if study.buoy else None
     columns: dict[str, list[list[float | FloatArray]]] = {}
     for design, one in waves.items():
@@ -291,25 +248,17 @@ def _values(
                 for values in zip(*((b.power, b.error, b.force_rms**2) for b in own), strict=True)
             )
             moved = {name: bins.matrix(rms) for name, rms in _motion_rms(one, own, rows).items()}
-            mean, none, of_flux = float((bins.share * power).sum()), np.zeros(bins.shape), bins.mean(flux)
-            column: dict[str, float | FloatArray] = {
-                "annual_mean_power": mean,
-                "annual_energy": mean * YEAR_HOURS / 1e6,
-                "capture_width": mean / float(flux @ climate.hours),
-                "quadrature_error": float((bins.share * error).sum()),
-                "power_matrix": power,
-                "capture_width_matrix": np.divide(power, of_flux, out=none.copy(), where=of_flux > 0),
-                **dict.fromkeys(("power_deviation", "capture_width_deviation"), none),
-            }
-            if isinstance(one, InWaves):
-                column |= {"force_rms": float(np.sqrt((bins.share * square).sum())), "damping": none}
+            means = float((bins.share * power).sum()), float((bins.share * error).sum())
+            column = year_of_bins(climate, study.water, power, *means, moved, radius)
+            if not study.pto.several:
+                force = float(np.sqrt((bins.share * square).sum()))
+                column |= {"force_rms": force, "damping": np.zeros(bins.shape)}
             else:
                 share, count = bins.share.ravel()[bins.occupied], one.port.velocity.shape[1]
                 dampers = [b.matrix for b in own if b.matrix is not None and tuning == SAME_FORCE]
                 column["damper_matrix"] = (
                     np.tensordot(share, dampers, axes=1) if dampers else np.full((count, count), np.nan)
                 )
-            column |= beyond_in_bins(bins, climate, study.water, power, moved, radius)
             for name, value in column.items():
                 columns.setdefault(name, [[] for _ in waves])[list(waves).index(design)].append(value)
     dims = {"energy_beyond": ("limit",), "damper_matrix": ("port", "port_")}
@@ -320,43 +269,36 @@ def _values(
     }
 
 
-def _motion_rms(
-    one: InWaves | SeveralInWaves, schedule: Sequence[Scheduled], squares: FloatArray
-) -> dict[str, FloatArray]:
+def _motion_rms(one: InWaves[Any], schedule: Sequence[Scheduled], squares: FloatArray) -> dict[str, FloatArray]:
     """Root mean squares of heave and shell in each bin, each shape (bin,) [m]."""
     found: dict[str, list[float]] = {"heave": [], "deformation": []}
     for own, row in zip(schedule, squares, strict=True):
-        heave, shell = one.motion_under(own.force)
+        heave, shell = one.motion.under(own.force)
         points = (0.5 * np.abs(shell) ** 2 @ row).sum(axis=0)
         found["heave"].append(float(np.sqrt(0.5 * np.abs(heave) ** 2 @ row)))
         found["deformation"].append(float(np.sqrt(points.max(initial=0.0))))
     return {name: np.array(values) for name, values in found.items()}
 
 
-Slopes = list[list[list[Sensitivity]]]
-"""Derivatives of the logarithms of powers, by take-off they are taken at, tuning, design."""
-
-
-def _slopes(waves: Mapping[str, InWaves], climate: Climate) -> Slopes:
+def _slopes(waves: Mapping[str, InWaves[Any]], climate: Climate) -> Slopes:
     """Those at the optimal damper of the year and at the matched force, the same of all tunings.
 
     A scarce force takes power in proportion to the free velocity, an ample one that of the matched force.
     """
-    found: Slopes = []
-    dampers = best_for_all([DesignYear(one.port, climate) for one in waves.values()])
+    found, dampers = [], DesignYear.best_for_year([DesignYear(one.port, climate) for one in waves.values()])
     for matched in (False, True):
         slopes = []
         for one, damping in zip(waves.values(), dampers, strict=True):
             load = np.conj(one.port.impedance) if matched else one.port.load(float(damping), 0.0)
             squares = DesignYear(one.port, climate).squares
-            slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
+            slopes.append(sensitivity(one.moved, one.port, load, squares))
         found.append([slopes])
     return found
 
 
 def _slopes_at_ports(
     study: Study | AnyBody,
-    waves: Mapping[str, SeveralInWaves],
+    waves: Mapping[str, InWaves[Any]],
     climate: Climate,
     schedules: Mapping[str, Schedule],
     values: Values,
@@ -365,10 +307,9 @@ def _slopes_at_ports(
     """Those at the optimal damper matrix of the year, and at the forces of the schedule as they are."""
     bins, kind = bins_of(climate), matrix_kind(study.pto)
     density, share = bins.mean_densities(climate), bins.share.ravel()[bins.occupied]
-    years = {design: MatrixYear(one.port, climate, kind) for design, one in waves.items()}
+    years = {design: MatrixYear(one.port, climate, kind=kind) for design, one in waves.items()}
     at_matrix = [
-        sensitivity_at_ports(one.moved, one.port, years[design].best, years[design].squares)
-        for design, one in waves.items()
+        sensitivity(one.moved, one.port, years[design].best, years[design].squares) for design, one in waves.items()
     ]
     at_forces = []
     for j, tuning in enumerate(tunings):
@@ -380,26 +321,3 @@ def _slopes_at_ports(
             slopes.append(sensitivity_of_forces(one.port.omega, one.moved, amplitude, forces, power, share))
         at_forces.append(slopes)
     return [[at_matrix], at_forces]
-
-
-def _intervals(
-    study: Study | AnyBody,
-    slopes: Slopes,
-    errors: Sequence[CoefficientError],
-    found: Values,
-    left_out: LeftOut | None,
-) -> Values:
-    """Intervals of powers and gains: the larger of what errors of the coefficients do at either take-off."""
-    reference = None if study.reference_design is None else list(study.designs).index(study.reference_design)
-    power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
-    of_power, of_ratio = np.zeros((2, *power.shape))
-    for at in slopes:
-        each = [[sum(slope.to(one) for one in errors) for slope in of_tuning] for of_tuning in at]
-        of_power = np.maximum(of_power, np.array(each).T)
-        if reference is not None:
-            over = [[sum((slope - some[reference]).to(one) for one in errors) for slope in some] for some in at]
-            of_ratio = np.maximum(of_ratio, np.array(over).T)
-    within = powers_within(power, error, of_power, left_out.power if left_out else None)
-    if reference is None:
-        return within
-    return {**within, **gains_within(power, error, of_ratio, reference, left_out.gain if left_out else None)}

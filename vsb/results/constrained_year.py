@@ -8,7 +8,7 @@ A bin is two realisations of its mean spectrum, with independent phases that are
 says how well few waves know the mean, and the gain of one design over another.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -16,18 +16,20 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity_of_forces
-from vsb.engine.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
+from vsb.engine.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum, optimum_in_sea
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port, PortMotion
-from vsb.engine.waves.climate import OUTSIDE, YEAR_HOURS, Climate
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.climate import OUTSIDE, Climate
+from vsb.engine.waves.kinds import Irregular, RegularWave
+from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
-from vsb.errors import ConfigError, StabilityError
+from vsb.errors import ConfigError, StabilityError, VsbError
 from vsb.models.floating_system import AnyBody, Floating, InWaves
-from vsb.results.left_out import LeftOut
-from vsb.results.member import OF_LIMITS, radius_of
+from vsb.results.budget import LeftOut
+from vsb.results.campaign import OF_LIMITS, radius_of
 from vsb.results.statistics import Estimate, stratified_half_width
-from vsb.results.year import POWER_ENDS, Bins, bins_of
-from vsb.results.year_validity import beyond_in_bins
+from vsb.results.year import POWER_ENDS, Bins, bins_of, year_of_bins
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -205,7 +207,11 @@ def constrained_year(
     order = bins.occupied[np.argsort(-flux[bins.occupied], kind="stable")]
     solved = order[: affordable(harmonics, seconds)]
     rows = np.searchsorted(bins.occupied, solved)
-    amplitude = np.array([np.sqrt(squares[row]) * _phases(seed, int(bins.occupied[row]), harmonics) for row in rows])
+    turns = [
+        np.random.default_rng([seed, int(place)]).uniform(size=(REALISATIONS, harmonics.count))
+        for place in bins.occupied[rows]
+    ]
+    amplitude = np.sqrt(squares[rows])[:, None] * np.exp(2j * np.pi * np.array(turns))
     found = [[_optimum(port, harmonics, one, limits) for one in pair] for pair in amplitude]
     optima = tuple(tuple(None if isinstance(one, float) else one for one in pair) for pair in found)
     undecided = np.array([[one if isinstance(one, float) else 0.0 for one in pair] for pair in found])
@@ -213,12 +219,6 @@ def constrained_year(
     matched.ravel()[bins.occupied] = squares @ port.matched_power[: harmonics.count]
     share = float(flux[solved].sum() / flux.sum())
     return ConstrainedYear(bins, solved, amplitude, optima, matched, share, undecided)
-
-
-def _phases(seed: int, place: int, harmonics: Harmonics) -> ComplexArray:
-    """Random phases of the realisations of a bin, shape (realisation, harmonic)."""
-    drawn = np.random.default_rng([seed, place]).uniform(size=(REALISATIONS, harmonics.count))
-    return np.asarray(np.exp(2j * np.pi * drawn))
 
 
 def _squares(bins: Bins, climate: Climate, harmonics: Harmonics) -> FloatArray:
@@ -285,7 +285,7 @@ class Optima:
         return constrained_dataset(study, found, waves, climate, floating.errors(harmonics.omega), left_out)
 
     def _year(
-        self, study: Study | AnyBody, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
+        self, study: Study | AnyBody, design: str, waves: InWaves[Port], climate: Climate, harmonics: Harmonics
     ) -> ConstrainedYear:
         """The year of one design."""
         limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
@@ -305,7 +305,7 @@ class Optima:
 def constrained_dataset(
     study: Study | AnyBody,
     years: Mapping[str, ConstrainedYear],
-    waves: Mapping[str, InWaves],
+    waves: Mapping[str, InWaves[Port]],
     climate: Climate,
     errors: Sequence[CoefficientError] = (),
     left_out: LeftOut | None = None,
@@ -315,32 +315,22 @@ def constrained_dataset(
     Intervals of powers and gains are of what is not proved, of few waves, of errors of the coefficients and of shell
     modes left out.
     """
-    flux, columns = climate.flux(study.water), {}
-    reference = study.reference_design
+    columns, reference = {}, study.reference_design
     slopes = _slopes(years, waves)
     for i, (design, one) in enumerate(years.items()):
         mean, low, high = one.annual_mean_power
-        flux_of_bins, none = one.bins.mean(flux), np.zeros(one.bins.shape)
-        width = np.divide(one.power_matrix, flux_of_bins, out=none.copy(), where=flux_of_bins > 0)
+        moved = {name: one.matrix(values) for name, values in _motion_rms(one, waves[design].motion).items()}
+        of_year = year_of_bins(climate, study.water, one.power_matrix, mean, (high - low) / 2, moved, radius_of(study))
         column: dict[str, float | FloatArray] = {
-            "annual_mean_power": mean,
-            "annual_energy": mean * YEAR_HOURS / 1e6,
-            "capture_width": mean / float(flux @ climate.hours),
+            **of_year,
             "force_rms": one.force_rms,
-            "quadrature_error": (high - low) / 2,
-            "power_matrix": one.power_matrix,
-            "capture_width_matrix": width,
-            "damping": none,
-            "power_deviation": none,
-            "capture_width_deviation": none,
+            "damping": np.zeros(one.bins.shape),
             "power_bound": one.bound,
             "optimum_gap": 1 - one.absorbed / one.bound if one.bound > 0 else 0.0,
             "optimum_share": one.flux_share,
             "optimum_excess": one.excess,
             "impossible_share": one.impossible,
         }
-        moved = {name: one.matrix(values) for name, values in _motion_rms(one, waves[design].motion).items()}
-        column |= beyond_in_bins(one.bins, climate, study.water, one.power_matrix, moved, radius_of(study))
         least, most = (0.0, 0.0) if left_out is None else mean * left_out.power[i]
         error = mean * sum(slopes[design].to(each) for each in errors)
         column |= dict(zip(POWER_ENDS, (low - error + least, high + error + most), strict=True))
@@ -368,7 +358,7 @@ def _forces(one: ConstrainedYear) -> ComplexArray:
     return np.array([[found.force if found else zero for found in pair] for pair in one.optima])
 
 
-def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves]) -> dict[str, Sensitivity]:
+def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves[Port]]) -> dict[str, Sensitivity]:
     """Derivatives of the year's power by the coefficients, by design."""
     slopes = {}
     for design, one in years.items():
@@ -398,3 +388,103 @@ def _motion_rms(one: ConstrainedYear, motion: PortMotion) -> dict[str, FloatArra
         both = waves[..., None, :] * free[..., :count] - force[..., None, :] * forced[..., :count]
         largest = np.maximum(largest, (np.abs(both) ** 2).sum(axis=(-1, -2)).mean(axis=1) / 2)
     return {"heave": np.sqrt(variance), "deformation": np.sqrt(largest)}
+
+
+# optima in a sea at a few limits of force, for an interactive page to step through ----------------------------------
+
+# An irregular sea is taken to repeat: one realisation of its spectrum on equally spaced frequencies, the same for all
+# designs and limits, as many as a budget of time allows. How many follows from the size of the problem, not a clock.
+
+SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
+"""Limits of force, over the largest force of the reference's best damper [-]."""
+SECONDS = 4.0
+"""Budget of time of all seas, designs and limits of a page [s]."""
+FEWEST, MOST = 64, 200
+"""Harmonics of an irregular sea."""
+WITHIN = 16
+"""Frequencies at which a spectrum is averaged within the band of a harmonic."""
+
+SeenPort = Callable[[FloatArray], Port]
+
+
+@dataclass(frozen=True)
+class ForceSteps:
+    """Optima at some limits of force in one sea."""
+
+    limits: tuple[float, ...]  # ascending [N]
+    powers: Mapping[str, tuple[float | None, ...]]  # by design, at each limit [W]; None: not known
+    of: str  # whose best damper needs the largest of the limits
+    repeats: float | None  # period after which the sea is taken to repeat [s]; None of a regular wave
+
+
+def harmonics_within(band: tuple[float, float], programmes: int) -> Harmonics:
+    """Return equally spaced frequencies of a band [rad/s], as many as the budget allows for so many optima."""
+    each = SECONDS / programmes - SECONDS_AT_LEAST
+    count = int(np.clip(np.cbrt(max(each, 0.0) / SECONDS_PER_CUBE), FEWEST, MOST))
+    low, high = band
+    spacing = (high - low) / count
+    first = max(1, int(np.ceil(low / spacing - 1e-9)))
+    return Harmonics(spacing, float(first), int(high / spacing + 1e-9) - first + 1)
+
+
+def repeating(wave: Irregular, harmonics: Harmonics) -> Sea:
+    """Return a realisation of a spectrum on harmonics, each with the variance of the band around it.
+
+    A record's own phases are not of these harmonics: it has random ones, too.
+    """
+    low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
+    amplitude = np.sqrt(2 * wave.variances(low, high))
+    phase = np.random.default_rng(wave.seed if wave.drawn else 1).uniform(0.0, 2 * np.pi, harmonics.count)
+    return Sea(harmonics.omega, amplitude * np.exp(1j * phase))
+
+
+def force_steps(
+    wave: RegularWave | Irregular,
+    seen: Mapping[str, SeenPort],
+    reference: str | None,
+    band: tuple[float, float],
+    seas: int = 1,
+    stroke: float = np.inf,
+) -> ForceSteps | None:
+    """Return the optima of all designs in one sea; None where waves move no port.
+
+    Parameters
+    ----------
+    seen : mapping design -> callable
+        Frequencies -> its port, also outside the band.
+    reference : str or None
+        The design whose best damper the limits are of; else the first whose port waves move.
+    band : (float, float) [rad/s]
+        Of the force.
+    seas : int
+        How many the budget of time is for.
+    stroke : float
+        Limit of the port's displacement from rest [m].
+    """
+    if wave.irregular:
+        harmonics = harmonics_within(band, seas * len(seen) * len(SHARES))
+        waves, repeats = repeating(wave, harmonics), 2 * np.pi / harmonics.spacing
+    else:
+        waves, repeats = wave.realisation(), None
+        harmonics = Harmonics.of_sea(waves.omega, *band)
+    ports = {design: port(harmonics.port_omega) for design, port in seen.items()}
+    of = next((d for d in (reference, *ports) if d in ports and ports[d].moves), None)
+    if of is None:
+        return None
+    port, amplitude = ports[of].at(np.arange(harmonics.count)), np.zeros(harmonics.count, dtype=complex)
+    amplitude[np.rint(waves.omega / harmonics.spacing - harmonics.first).astype(int)] = waves.amplitude
+    damping = float(best_dampers(port, np.abs(amplitude[None]) ** 2).damping[0])
+    largest = float(np.abs(harmonics.signal(port.force(damping) * amplitude)).max())
+    limits = tuple(share * largest for share in SHARES)
+    powers = {d: tuple(_power(port, waves, harmonics, limit, stroke) for limit in limits) for d, port in ports.items()}
+    return ForceSteps(limits, powers, of, repeats)
+
+
+def _power(port: Port, waves: Sea, harmonics: Harmonics, force: float, stroke: float) -> float | None:
+    """Mean power of the best force within limits [W]; None where there is none, or none is found."""
+    if not port.moves:
+        return 0.0
+    try:
+        return optimum_in_sea(port, waves, harmonics, Limits(force, stroke)).power
+    except VsbError:
+        return None

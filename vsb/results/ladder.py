@@ -13,36 +13,35 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.hydro.database import Check, check_at_most
-from vsb.engine.motion.causal import RmsLimits, StationaryPort, numerical_error, optimum
-from vsb.engine.motion.causal_ports import StationaryPorts
-from vsb.engine.motion.causal_ports import optimum as optimum_of_several
+from vsb.engine.motion.causal import RmsLimits, Stationary, numerical_error, optimum
 from vsb.engine.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
     coefficient_errors,
     sensitivity,
-    sensitivity_at_ports,
 )
 from vsb.engine.motion.constrained import optimum_in_sea
-from vsb.engine.motion.damper_matrix import Ports, best_matrix, matrix_text, matrix_within_force
 from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
-from vsb.engine.motion.take_off import Pto, SeveralPorts
+from vsb.engine.motion.take_off import Pto, named_ports
 from vsb.engine.motion.tuning import (
     Load,
     best_dampers,
+    best_matrix,
     best_pairs,
     damper_within_force,
     frequencies,
+    matrix_text,
     mean_power,
+    priced_matrix,
     squares,
 )
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.errors import ConfigError, VsbError
-from vsb.models.drag import dragged_port
 from vsb.models.floating_system import (
+    AtFrequencies,
     FloatingSystem,
     PortInSeas,
     band,
@@ -61,11 +60,9 @@ from vsb.models.stationary import (
     optimum_with_drag,
     rms_force,
     stationary_ports,
-    stationary_several,
 )
-from vsb.models.take_off import given_matrix, matrix_kind
-from vsb.results.budget import MODES, Budget, Rows, Source
-from vsb.results.left_out import modes_left_out
+from vsb.models.take_off import dragged_port, given_matrix, matrix_kind
+from vsb.results.budget import MODES, Budget, Rows, Source, modes_left_out
 from vsb.study.specs import LadderSpec
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import csv_text
@@ -163,31 +160,29 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
     left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
+    matrices: Matrices | None = None
     if pto.several:
-        matrices = several_matrices(study, floating, seas, families)
-        levels = several_levels(floating, seas, matrices)
-        if isinstance(pto.port, SeveralPorts):
+        levels, matrices = matrix_levels(study, floating, seas, families)
+        if named_ports(pto):
             levels += causal_levels_of_several(pto, floating, pairs, matrices, levels)
-            levels.sort(key=partial(_order, list(study.designs), list(seas)))
-        levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
-        return [*levels, *material_levels(study, floating, seas, levels)]
-    both = [*pairs, *zip(waves, records.values(), strict=True)]
-    ports = {design: port_in_seas(floating, design, both) for design in study.designs}
-    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    dragged = None
-    if study.system.plates:
-        going = headings(both)
-        dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
-    levels = levels_of(ports, records, families, given, study.simulation.duration, dragged)
-    if pto.limited:
-        matched = {(level.design, level.wave): level.power_mean for level in levels if level.rung == "matched"}
-        levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
-    if dragged is None:
-        levels += causal_levels(study, floating, pairs, ports, levels)
     else:
-        levels += causal_levels_with_drag(study, floating, pairs, levels)
+        both = [*pairs, *zip(waves, records.values(), strict=True)]
+        ports = {design: port_in_seas(floating, design, both) for design in study.designs}
+        given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
+        dragged = None
+        if study.system.plates:
+            going = headings(both)
+            dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
+        levels = levels_of(ports, records, families, given, study.simulation.duration, dragged)
+        if pto.limited:
+            matched = {(level.design, level.wave): level.power_mean for level in levels if level.rung == "matched"}
+            levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
+        if dragged is None:
+            levels += causal_levels(study, floating, pairs, ports, levels)
+        else:
+            levels += causal_levels_with_drag(study, floating, pairs, levels)
     levels.sort(key=partial(_order, list(study.designs), list(seas)))
-    levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
+    levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
     return [*levels, *material_levels(study, floating, seas, levels)]
 
 
@@ -300,52 +295,39 @@ def levels_of(
     return found
 
 
-def several_matrices(
+def matrix_levels(
     study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
-) -> Matrices:
-    """Return the damper matrices of every design at several ports, or spread over the shell, in every sea, by level.
+) -> tuple[list[ControlLevel], Matrices]:
+    """Return the levels of damper matrices, and the matched one, of every design in every sea; and those matrices.
 
-    `best_damper` and `best_damper_all_seas` are of the matrices the study allows.
+    At several ports, or spread over the shell. `best_damper` and `best_damper_all_seas` are of the matrices the study
+    allows, which stand in the notes. Peaks are not known, which several ports do not have in common.
     """
-    omega, kind, found = frequencies(list(seas.values())), matrix_kind(study.pto), {}
-    rows = squares(list(seas.values()), omega)
+    omega, kind = frequencies(list(seas.values())), matrix_kind(study.pto)
+    rows, found, matrices = squares(list(seas.values()), omega), list[ControlLevel](), Matrices()
     for design, ports in floating.several_ports(omega).items():
         given = given_matrix(study.pto, design, floating.port.shape[1])
         one = best_matrix(ports, rows[list(families)].sum(axis=0), kind).damping
         for label, sea in zip(seas, rows, strict=True):
-            if given is not None:
-                found[design, label, "fixed"] = given
+            own = {} if given is None else {"fixed": given}
             if kind == "full":
-                found[design, label, BEST_DIAGONAL] = best_matrix(ports, sea, "diagonal").damping
-            found[design, label, "best_damper"] = best_matrix(ports, sea, kind).damping
-            found[design, label, "best_damper_all_seas"] = one
-    return found
-
-
-def several_levels(floating: FloatingSystem, seas: Mapping[str, Sea], matrices: Matrices) -> list[ControlLevel]:
-    """Return the levels of damper matrices, and the matched one, of every design in every sea.
-
-    Matrices stand in the notes. Peaks are not known, which several ports do not have in common.
-    """
-    omega, found = frequencies(list(seas.values())), []
-    rows = squares(list(seas.values()), omega)
-    for design, ports in floating.several_ports(omega).items():
-        for label, sea in zip(seas, rows, strict=True):
+                own[BEST_DIAGONAL] = best_matrix(ports, sea, "diagonal").damping
+            own |= {"best_damper": best_matrix(ports, sea, kind).damping, "best_damper_all_seas": one}
+            matrices |= {(design, label, name): matrix for name, matrix in own.items()}
             matched = float(sea @ ports.matched_power)
-            for level in CONTROL_LEVELS:
-                matrix = matrices.get((design, label, level))
-                if matrix is None and level != "matched":
-                    continue
-                power = matched if matrix is None else float(sea @ ports.power(matrix))
-                damper, note = None, ""
-                if matrix is not None and ports.moves:
-                    note = f"damper matrix {matrix_text(matrix, 6)}" if len(matrix) <= NAMED else ""
-                    damper = None if note else float(matrix[0, 0])  # spread over the shell
+            for name, matrix in own.items():
+                power, damper, note = float(sea @ ports.power(matrix)), None, ""
+                if ports.moves and len(matrix) <= NAMED:
+                    note = f"damper matrix {matrix_text(matrix, 6)}"
+                elif ports.moves:
+                    damper = float(matrix[0, 0])  # spread over the shell
                 share = power / matched if matched > 0 else None
                 found.append(
-                    ControlLevel(design, label, level, damper, None, power, share, None, None, None, None, note)
+                    ControlLevel(design, label, name, damper, None, power, share, None, None, None, None, note)
                 )
-    return found
+            share = 1.0 if matched > 0 else None
+            found.append(ControlLevel(design, label, "matched", None, None, matched, share, None, None, None, None))
+    return found, matrices
 
 
 def material_levels(
@@ -531,9 +513,9 @@ def causal_levels(
 
 
 def causal_level(
-    port: StationaryPort, damper: ControlLevel, stroke: float, limits: RmsLimits, matched: ControlLevel, pto: Pto
+    port: Stationary, damper: ControlLevel, stroke: float, limits: RmsLimits, matched: ControlLevel, pto: Pto
 ) -> ControlLevel:
-    """Return the level `causal` of a port in a sea: its share of the matched power, or the damper if that absorbs more.
+    """Return the level `causal` in a sea: its share of the matched power, or the damper if that absorbs more.
 
     Parameters
     ----------
@@ -541,17 +523,18 @@ def causal_level(
         Rms displacement under the damper.
     """
     noise, forecast = pto.control.noise, pto.control.forecast
-    unknown = damper._replace(rung=CAUSAL, damping=None, stiffness=None, noise=noise, forecast=forecast)
+    unknown = damper._replace(rung=CAUSAL, damping=None, stiffness=None, noise=noise, forecast=forecast, note="")
     try:
         best = optimum(port, limits, noise, forecast, pto.efficiency)
+        away = numerical_error(port, best, noise, forecast)
     except VsbError as error:
         return unknown._replace(power_mean=None, limit_fraction=None, force_rms=None, note=str(error))
     share = best.converted(pto.efficiency) / port.matched_power
     power = share * (matched.power_mean or 0.0)
     if stroke <= limits.stroke and (damper.power_mean or 0.0) >= power:
         return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
-    away = numerical_error(port, best, noise, forecast)
-    return unknown._replace(power_mean=power, limit_fraction=share, force_rms=best.force_rms, numerical=away)
+    rms = None if damper.force_rms is None else best.force_rms  # of several forces without a unit in common
+    return unknown._replace(power_mean=power, limit_fraction=share, force_rms=rms, numerical=away)
 
 
 def causal_levels_with_drag(
@@ -620,7 +603,7 @@ def causal_levels_of_several(
     for (wave, sea), row in zip(seas, rows, strict=True):
         if not wave.irregular:
             continue
-        for design, stationary in stationary_several(floating, wave, sea).items():
+        for design, stationary in stationary_ports(floating, wave, sea).items():
             best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
             if not best.power_mean or not matched.power_mean:
                 continue
@@ -630,42 +613,16 @@ def causal_levels_of_several(
             together = "of all forces together" if alike else "of all forces together, each in units of the damper's"
             same = best._replace(rung=SAME_FORCE, force_rms=limit if alike else None)
             if pto.control.force_rms < np.inf:
-                same = _within_force(same, ports[design], row, limit, pto, matched.power_mean)
-            found += [
-                same,
-                _causal_of_several(stationary.over(np.diag(units)).moved(), same, limit, matched.power_mean, pto),
-            ]
-            found[-1] = found[-1]._replace(note="; ".join(filter(None, [f"rms {together}", found[-1].note])))
+                matrix, power = priced_matrix(ports[design], row, limit, matrix_kind(pto))[0]
+                rms, note = float(np.linalg.norm(ports[design].force_rms(matrix, row))), matrix_text(matrix, 6)
+                share = power / matched.power_mean
+                same = same._replace(
+                    power_mean=power, limit_fraction=share, force_rms=rms, note=f"damper matrix {note}"
+                )
+            turned = stationary.over(np.diag(units)).moved()
+            causal = causal_level(turned, same, 0.0, RmsLimits(limit), matched, pto)
+            found += [same, causal._replace(note="; ".join(filter(None, [f"rms {together}", causal.note])))]
     return found
-
-
-def _within_force(
-    level: ControlLevel, ports: Ports, squares: FloatArray, limit: float, pto: Pto, matched: float
-) -> ControlLevel:
-    """The level of the best damper matrix whose forces together have at most a given rms."""
-    found = matrix_within_force(ports, squares, limit, matrix_kind(pto))
-    together = float(np.linalg.norm(ports.force_rms(found.damping, squares)))
-    note = f"damper matrix {matrix_text(found.damping, 6)}"
-    share = found.power / matched
-    return level._replace(power_mean=found.power, limit_fraction=share, force_rms=together, note=note)
-
-
-def _causal_of_several(
-    ports: StationaryPorts, damper: ControlLevel, limit: float, matched: float, pto: Pto
-) -> ControlLevel:
-    """The level `causal` of several ports in a sea, see `causal_level`."""
-    noise, forecast = pto.control.noise, pto.control.forecast
-    unknown = damper._replace(rung=CAUSAL, damping=None, noise=noise, forecast=forecast, note="")
-    try:
-        best = optimum_of_several(ports, limit, noise, forecast)
-        away = numerical_error(ports, best, noise, forecast)
-    except VsbError as error:
-        return unknown._replace(power_mean=None, limit_fraction=None, force_rms=None, note=str(error))
-    share = best.power / ports.matched_power
-    if (damper.power_mean or 0.0) >= share * matched:
-        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
-    rms = None if damper.force_rms is None else best.force_rms
-    return unknown._replace(power_mean=share * matched, limit_fraction=share, force_rms=rms, numerical=away)
 
 
 # errors -------------------------------------------------------------------------------------------------------------
@@ -694,7 +651,7 @@ def with_errors(
         Design gains are over. All designs share one database: of a gain only what their errors do not have in common
         is left.
     left_out : xarray.Dataset
-        See `vsb.results.left_out.modes_left_out`.
+        See `vsb.results.budget.modes_left_out`.
     matrices : mapping, optional
         Of several ports; their matched level has no budget.
 
@@ -754,22 +711,19 @@ def _slopes(
     floating: FloatingSystem, wave: Wave, sea: Sea, levels: Sequence[ControlLevel], matrices: Matrices | None
 ) -> _Slopes:
     """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
-    linear, squares, found = floating.towards(heading_in(wave, sea)), np.abs(sea.amplitude) ** 2, {}
-    equation = linear.equation(sea.omega)
-    for design, motions in floating.motions.items():
+    linear, squares = floating.towards(heading_in(wave, sea)), np.abs(sea.amplitude) ** 2
+    found: dict[tuple[str, str], Sensitivity] = {}
+    waves = AtFrequencies(linear.equation(sea.omega), floating.motions, floating.port).in_waves()
+    for design, (port, _, moved) in waves.items():
+        loads: dict[str, ComplexArray | FloatArray] = {}
         if matrices is not None:
-            both, ports = equation.motion_of_ports(motions, floating.port), equation.ports(motions, floating.port)
-            own = {name: matrix for (of, at, name), matrix in matrices.items() if (of, at) == (design, wave.label)}
-            for name, matrix in own.items():
-                found[design, name] = sensitivity_at_ports(both, ports, matrix, squares)
-            continue
-        moved = equation.free_motion(motions, floating.port)
-        port = equation.port_of_motion(*moved, motions, floating.port)
-        for level in (level for level in levels if level.design == design):
-            load = np.conj(port.impedance)
-            if level.damping is not None and level.stiffness is not None:
-                load = port.load(level.damping, level.stiffness)
-            found[design, level.rung] = sensitivity(sea.omega, moved, port, load, squares)
+            loads = {name: one for (of, at, name), one in matrices.items() if (of, at) == (design, wave.label)}
+        else:
+            for level in (level for level in levels if level.design == design):
+                loads[level.rung] = np.conj(port.impedance)
+                if level.damping is not None and level.stiffness is not None:
+                    loads[level.rung] = port.load(level.damping, level.stiffness)
+        found |= {(design, name): sensitivity(moved, port, load, squares) for name, load in loads.items()}
     return _Slopes(found, coefficient_errors(linear, sea.omega))
 
 

@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.kinds import Wave
-from vsb.models.drag import LINEARISED
+from vsb.models.take_off import LINEARISED
 from vsb.results.budget import Budget, Source
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
 from vsb.results.ladder import ControlLevel
@@ -62,12 +61,10 @@ def is_linear(study: BaseStudy, run: Mapping[str, Any], level: ControlLevel | No
     """
     if run["model"] != "linear" or LINEARISED in run:
         return False
-    return not study.pto.nonlinear or (level is not None and _limits_out_of_reach(study.pto, level))
-
-
-def _limits_out_of_reach(pto: Pto, level: ControlLevel) -> bool:
-    """Whether nothing but limits makes a take-off nonlinear, and force and stroke stay far below them."""
-    if pto.law not in ("linear", "saturated") or level.force_peak is None or level.stroke_peak is None:
+    pto = study.pto
+    if not pto.nonlinear:
+        return True
+    if level is None or pto.law not in ("linear", "saturated") or level.force_peak is None or level.stroke_peak is None:
         return False
     return pto.force_limit > OUT_OF_REACH * level.force_peak and pto.stroke_limit > OUT_OF_REACH * level.stroke_peak
 

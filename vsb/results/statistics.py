@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 from vsb.engine.hydro.database import Check, check_at_most
 from vsb.engine.waves.kinds import Irregular
 from vsb.engine.waves.seas import Sea, superposed
-from vsb.models.drag import LINEARISED
+from vsb.models.take_off import LINEARISED
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
 from vsb.study.study import FEWEST_BATCHES, BaseStudy
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray

@@ -36,12 +36,11 @@ from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.loaded import LoadedShell
 from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.models.build import Memory, check_followed
-from vsb.models.latching import body_exact_latching_time, linear_latching_time, with_latching_time
+from vsb.models.build import Memory, body_exact_latching_time, check_followed, linear_latching_time, with_latching_time
 from vsb.models.stationary import loop_rates, with_controller
 from vsb.models.take_off import with_take_off
 from vsb.results.campaign import GAIN, POWER
-from vsb.results.run_checks import energy_check
+from vsb.results.ledger import energy_check
 from vsb.results.statistics import Estimate, linear_batches, stratified_half_width
 from vsb.results.year import Year
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray

@@ -1,4 +1,4 @@
-"""A site's year: power of every design in every measured sea under every tuning, and bins of Hs and Te.
+"""A site's year: power of every design in every measured sea under every tuning, bins of Hs and Te, limits of theory.
 
 Mean power of one sea is int 2 S(w) P(w; c) dw, P the power of a damper c per squared wave amplitude. A spectrum is
 known as means over bands, so this is one product of the spectra with P integrated over each band. P is interpolated
@@ -6,28 +6,33 @@ linearly between the frequencies of a port: the weights are positive, the order 
 the answer changes by with every other frequency. Matrices over bins follow IEC TS 62600-100.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Generic, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.damper_matrix import Ports
-from vsb.engine.motion.port import Port
-from vsb.engine.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
+from vsb.engine.motion.coefficient_errors import CoefficientError, Sensitivity
+from vsb.engine.motion.port import Port, Ports
+from vsb.engine.motion.tuning import Kind, best_damper_of_each, best_matrix, best_of_table, dampers
 from vsb.engine.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 from vsb.engine.waves.scatter import climate_of_cells
-from vsb.engine.waves.water import Water
+from vsb.engine.waves.water import Water, wavenumber
 from vsb.errors import ConfigError
-from vsb.tools.arrays import AnyArray, FloatArray, IntArray
+from vsb.tools.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.tools.variables import described
+
+if TYPE_CHECKING:  # they import what is compiled
+    from vsb.models.floating_system import InWaves
+    from vsb.results.budget import LeftOut
 
 Tuning = Literal["fixed", "one", "each"]
 TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
 """Given damper; one best damper for the year; the best in each sea."""
+Slopes = Sequence[Sequence[Sequence[Sensitivity]]]
 Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
 """Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
 POWER_ENDS = ("annual_mean_power_low", "annual_mean_power_high")
@@ -176,15 +181,31 @@ def _band_weights(frequencies: bytes, limits: bytes) -> FloatArray:
     return out
 
 
-P = TypeVar("P", Port, Ports)
+class Absorbed(NamedTuple):
+    """Dampers, which of them every sea has, and the mean power it absorbs with it."""
+
+    dampers: FloatArray  # (damper,) [N s/m]; of damper matrices (damper, port, port)
+    chosen: IntArray  # (sea,)
+    power: FloatArray  # (sea,) [W]
+
+    @property
+    def of_seas(self) -> FloatArray:
+        """The damper of every sea, shape (sea,) [N s/m], or (sea, port, port)."""
+        return self.dampers[self.chosen]
+
+    def mean_damper(self, hours: FloatArray) -> FloatArray:
+        """Return the mean damper of the year, shape () or (port, port)."""
+        share = np.bincount(self.chosen, hours, minlength=len(self.dampers))
+        return np.asarray(np.tensordot(share, self.dampers, axes=1))
 
 
 @dataclass(frozen=True)
-class OverClimate(Generic[P]):
-    """What a design's take-off sees of it, over a climate."""
+class DesignYear:
+    """One design over a climate, its power after conversion: of a damper, whose power goes one way, a part of it."""
 
-    port: P
+    port: Any  # Port; of a `MatrixYear` Ports
     climate: Climate
+    efficiency: float = 1.0
 
     @cached_property
     def weights(self) -> FloatArray:
@@ -201,35 +222,85 @@ class OverClimate(Generic[P]):
         kept = np.unique(np.append(np.arange(0, len(self.port.omega), 2), len(self.port.omega) - 1))
         return replace(self, port=self.port.at(kept))
 
-
-@dataclass(frozen=True)
-class DesignYear(OverClimate[Port]):
-    """One design over a climate, its power after conversion: of a damper, whose power goes one way, a part of it."""
-
-    efficiency: float = 1.0
-
-    def table(self, damping: FloatArray) -> FloatArray:
+    def table(self, dampers: FloatArray) -> FloatArray:
         """Return the mean power of every damper in every sea, shape (damper, sea) [W]."""
-        return np.asarray((self.efficiency * self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
+        return np.asarray((self.efficiency * self.port.power(dampers) @ self.weights.T) @ self.climate.density.T)
 
-    def annual(self, damping: FloatArray) -> FloatArray:
+    def annual(self, dampers: FloatArray) -> FloatArray:
         """Return the mean power of every damper over the year, shape (damper,) [W]."""
-        return np.asarray(self.efficiency * self.port.power(damping) @ self.squares)
+        return np.asarray(self.efficiency * self.port.power(dampers) @ self.squares)
 
-    def absorbed(self, tuning: Tuning, damping: float | None) -> Load:
+    @staticmethod
+    def best_for_year(years: Sequence[Any]) -> FloatArray:
+        """Return the one damper that absorbs most over the year for each design, shape (design,) [N s/m]."""
+        shared = all(np.array_equal(one.port.omega, years[0].port.omega) for one in years)
+        together = [list(years)] if shared else [[one] for one in years]
+        return np.concatenate([best_damper_of_each([one.port for one in some], some[0].squares) for some in together])
+
+    def with_dampers(self, dampers: FloatArray) -> Absorbed:
+        """Return for every sea the best of some dampers, shape (damper,) [N s/m], or (damper, port, port)."""
+        table = self.table(dampers)
+        chosen = table.argmax(axis=0)
+        return Absorbed(dampers, chosen, table[chosen, np.arange(len(chosen))])
+
+    def absorbed(self, tuning: Tuning, damper: FloatArray | float | None) -> Absorbed:
         """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
 
         Raises `ValueError` if they have none.
         """
-        seas = len(self.climate.hours)
         if not self.port.moves:
-            return Load(*np.zeros((3, seas)))
+            return self.with_dampers(np.zeros(1))
         if tuning == "each":
             tried = dampers(self.port)
-            return best_of_table(tried, self.table(tried))
-        if damping is None:
+            best = best_of_table(tried, self.table(tried))
+            return Absorbed(best.damping, np.arange(len(best.damping)), best.power)
+        if damper is None:
             raise ValueError(f"{tuning}: received no damper, needs one")
-        return Load(np.full(seas, damping), np.zeros(seas), self.table(np.array([damping]))[0])
+        return self.with_dampers(np.array([damper]))
+
+    def again(self, tuning: str, found: Absorbed) -> Absorbed:
+        """Return the same take-off in other seas: with its damper, or the best one in each of them."""
+        return self.absorbed("each" if tuning == "each" else "fixed", found.dampers[0])
+
+    retunes = True
+    """Whether the error of quadrature is of a damper that is tuned again with other frequencies."""
+
+
+@dataclass(frozen=True)
+class MatrixYear(DesignYear):
+    """One design at several ports over a climate, under damper matrices."""
+
+    kind: Kind = "full"
+
+    @cached_property
+    def best(self) -> FloatArray:
+        """The matrix that absorbs most over the year, shape (port, port)."""
+        return best_matrix(self.port, self.squares, self.kind).damping
+
+    @cached_property
+    def tried(self) -> FloatArray:
+        """The best of the year, and of the mean spectrum of every bin of energy period, shape (matrix, port, port)."""
+        _, column = np.unravel_index(bins_of(self.climate).index, bins_of(self.climate).shape)
+        energy = [self.climate.hours * (column == one) @ self.climate.density for one in np.unique(column)]
+        return np.array([self.best, *(best_matrix(self.port, one @ self.weights, self.kind).damping for one in energy)])
+
+    @staticmethod
+    def best_for_year(years: Sequence[Any]) -> FloatArray:
+        """Return the matrix that absorbs most over the year for each design, shape (design, port, port)."""
+        return np.array([one.best for one in years])
+
+    def absorbed(self, tuning: Tuning, damper: FloatArray | float | None) -> Absorbed:
+        """Return matrices and power of each sea under a tuning; `fixed` and `one` with a matrix."""
+        if tuning == "each":
+            return self.with_dampers(self.tried)
+        assert damper is not None  # a campaign's own check
+        return self.with_dampers(np.asarray(damper)[None])
+
+    def again(self, tuning: str, found: Absorbed) -> Absorbed:
+        """Return the best of the same matrices in other seas."""
+        return self.with_dampers(found.dampers)
+
+    retunes = False
 
 
 def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
@@ -241,60 +312,51 @@ def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
     return None if np.isnan(base).all() else np.asarray(100 * (power / base - 1))
 
 
-def gains_within(
+def within_errors(
     power: FloatArray,
     quadrature_error: FloatArray,
-    by_coefficients: FloatArray,
-    reference: int,
-    left_out: FloatArray | None,
-) -> Values:
-    """Return gains of mean powers and their intervals by all known errors.
+    slopes: Slopes,
+    errors: Sequence[CoefficientError],
+    reference: int | None,
+    left_out: "LeftOut | None",
+) -> dict[str, tuple[tuple[str, ...], AnyArray]]:
+    """Return the intervals of mean powers by all known errors, gains over a reference design and theirs.
+
+    Of errors of the coefficients the larger of what they do at either take-off the derivatives are taken at.
 
     Parameters
     ----------
     power, quadrature_error : ndarray, shape (design, tuning) [W]
-    by_coefficients : ndarray, shape (design, tuning)
-        What errors of the coefficients do to the ratio of powers, relative to it [-].
-    reference : int
+    slopes : sequence
+        Derivatives of the logarithms of the powers, by take-off, tuning (or one for all of them) and design.
+    errors : sequence of CoefficientError
+    reference : int, optional
         The design gains are over.
-    left_out : ndarray, shape (design, end) [percentage points], optional
-        As of `vsb.results.left_out.LeftOut.gain`.
+    left_out : LeftOut, optional
+        Errors by shell modes left out, shape (design, end).
     """
-    gain = gain_percent(power, reference)
-    if gain is None:
-        return {}
-    quadrature = np.divide(quadrature_error, power, out=np.zeros_like(power), where=power > 0)
-    width = (quadrature + quadrature[reference] + by_coefficients) * (100 + gain)
-    width[reference] *= 0.0
-    low, high = (np.zeros((len(power), 2)) if left_out is None else left_out).T[:, :, None]
-    ends = {"gain_percent": gain, "gain_low": gain - width + low, "gain_high": gain + width + high}
-    return {name: (("design", "tuning"), values) for name, values in ends.items()}
-
-
-def powers_within(
-    power: FloatArray, quadrature_error: FloatArray, by_coefficients: FloatArray, left_out: FloatArray | None
-) -> Values:
-    """Return the intervals of mean powers by all known errors.
-
-    Parameters
-    ----------
-    power, quadrature_error : ndarray, shape (design, tuning) [W]
-    by_coefficients : ndarray, shape (design, tuning)
-        What errors of the coefficients do to the powers, relative to them [-].
-    left_out : ndarray, shape (design, end), optional
-        What shell modes left out do to them, likewise [-].
-    """
-    width = quadrature_error + by_coefficients * power
-    low, high = (np.zeros((len(power), 2)) if left_out is None else left_out).T[:, :, None] * power
+    of_power, of_ratio = np.zeros((2, *power.shape))
+    for at in slopes:
+        each = [[sum(slope.to(one) for one in errors) for slope in some] for some in at]
+        of_power = np.maximum(of_power, np.array(each).T)
+        if reference is not None:
+            over = [
+                [0.0 if i == reference else sum((slope - some[reference]).to(one) for one in errors)
+                 for i, slope in enumerate(some)]
+                for some in at
+            ]  # fmt: skip
+            of_ratio = np.maximum(of_ratio, np.array(over).T)
+    none, width = np.zeros((len(power), 2)), quadrature_error + of_power * power
+    low, high = (none if left_out is None else left_out.power).T[:, :, None] * power
     ends = {POWER_ENDS[0]: power - width + low, POWER_ENDS[1]: power + width + high}
+    gain = None if reference is None else gain_percent(power, reference)
+    if gain is not None:
+        quadrature = np.divide(quadrature_error, power, out=np.zeros_like(power), where=power > 0)
+        width = (quadrature + quadrature[reference] + of_ratio) * (100 + gain)
+        width[reference] *= 0.0
+        low, high = (none if left_out is None else left_out.gain).T[:, :, None]
+        ends |= {"gain_percent": gain, "gain_low": gain - width + low, "gain_high": gain + width + high}
     return {name: (("design", "tuning"), values) for name, values in ends.items()}
-
-
-def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
-    """Return the one damper that absorbs most over the year for each design, shape (design,) [N s/m]."""
-    shared = all(np.array_equal(one.port.omega, years[0].port.omega) for one in years)
-    together = [list(years)] if shared else [[one] for one in years]
-    return np.concatenate([best_damper_of_each([one.port for one in some], some[0].squares) for some in together])
 
 
 @dataclass(frozen=True)
@@ -305,7 +367,7 @@ class Year:
     water: Water
     designs: tuple[str, ...]
     tunings: tuple[str, ...]
-    damping: FloatArray | None  # (design, tuning, sea) [N s/m]; None of damper matrices
+    absorbed: Mapping[tuple[str, str], Absorbed]  # by design and tuning; empty of controllers
     power: FloatArray  # (design, tuning, sea) [W]
     practice: FloatArray  # mean power of JONSWAP seas at the centres of the occupied bins (design, tuning) [W]
     quadrature_error: FloatArray  # of the mean power (design, tuning) [W]
@@ -338,16 +400,18 @@ class Year:
         """Mean power over mean energy flux, shape (design, tuning) [m]."""
         return np.asarray(self.annual_mean_power / float(self.flux @ self.climate.hours))
 
-    @property
-    def dampers(self) -> FloatArray:
-        """Dampers, shape (design, tuning, sea) [N s/m]."""
-        assert self.damping is not None
-        return self.damping
+    @cached_property
+    def damping(self) -> FloatArray | None:
+        """Dampers, shape (design, tuning, sea) [N s/m]; None of damper matrices and controllers."""
+        found = [[self.absorbed.get((one, tuning)) for tuning in self.tunings] for one in self.designs]
+        dampers = np.array([[one.of_seas for one in row if one and one.dampers.ndim == 1] for row in found])
+        return dampers if dampers.size else None
 
     @property
     def force_rms(self) -> FloatArray:
-        """Root mean square of the take-off's force over the year, shape (design, tuning) [N]: sqrt(mean of c P)."""
-        return np.sqrt((self.dampers * self.power / self.efficiency) @ self.climate.hours)
+        """Root mean square of the force of dampers over the year, shape (design, tuning) [N]: sqrt(mean of c P)."""
+        assert self.damping is not None
+        return np.sqrt((self.damping * self.power / self.efficiency) @ self.climate.hours)
 
     @property
     def gain_percent(self) -> FloatArray | None:
@@ -393,13 +457,14 @@ class Year:
 
 
 def year(
-    ports: Mapping[str, Port],
+    ports: Mapping[str, Port | Ports],
     climate: Climate,
     water: Water,
     tunings: Sequence[Tuning] = TUNINGS,
-    dampings: Mapping[str, float] | None = None,
+    dampings: Mapping[str, Any] | None = None,
     reference: str | None = None,
     efficiency: float = 1.0,
+    kind: Kind = "full",
 ) -> Year:
     """Return a site's year of some designs.
 
@@ -408,56 +473,63 @@ def year(
 
     Parameters
     ----------
-    ports : mapping design -> Port
+    ports : mapping design -> Port or Ports
         Over any frequencies, those of `frequencies` for choice; a spring of the take-off built in (`Port.beside`).
     water : Water
         Of the energy flux.
     tunings : sequence of {'fixed', 'one', 'each'}
-    dampings : mapping design -> float, optional
-        Dampers of the tuning `fixed` [N s/m].
+    dampings : mapping design -> float or ndarray, shape (port, port), optional
+        Dampers, or damper matrices of several ports, of the tuning `fixed` [N s/m].
     reference : str, optional
         Design gains are over.
     efficiency : float
         Of conversion; below 1 beside no spring.
+    kind : {'full', 'diagonal', 'uniform'}
+        Of damper matrices.
     """
     given = dict(dampings or {})
     if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
         raise ConfigError(f"tuning: received {unknown[0]!r}, needs one of {', '.join(TUNINGS)}")
-    if lacking := [design for design in ports if "fixed" in tunings and design not in given]:
+    if lacking := [design for design in ports if "fixed" in tunings and given.get(design) is None]:
         raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
     outside = variance_outside({design: port.omega for design, port in ports.items()}, climate)
-    here = [DesignYear(port, climate, efficiency) for port in ports.values()]
-    fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))
-    errors = [
-        [abs(float((one.power - rough.power) @ climate.hours)) / 3 for one, rough in zip(*rows, strict=True)]
-        for rows in zip(fine, coarse, strict=True)
-    ]
-    usual = []
-    for port, tuned in zip(ports.values(), fine, strict=True):
-        there = DesignYear(port, practice(climate, PRACTICE_GAMMA), efficiency)
-        powers = []
-        for tuning, one in zip(tunings, tuned, strict=True):  # the same damper, or the best in each sea
-            absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(one.damping[0])).power
-            powers.append(float(absorbed @ there.climate.hours))
-        usual.append(powers)
-    damping, power = (
-        np.array([[getattr(one, name) for one in tuned] for tuned in fine]) for name in ("damping", "power")
-    )
-    notes = (*climate.notes, outside)
-    names, of_power = (tuple(ports), tuple(tunings)), (power, np.array(usual), np.array(errors))
-    return Year(climate, water, *names, damping, *of_power, reference, notes, efficiency)
+    here = {design: design_year(port, climate, efficiency, kind) for design, port in ports.items()}
+    fine = _absorbed(here, tunings, given)
+    rough = {design: one.coarser() for design, one in here.items()}
+    there = {design: replace(one, climate=practice(climate, PRACTICE_GAMMA)) for design, one in here.items()}
+    usual = {(design, tuning): there[design].again(tuning, one) for (design, tuning), one in fine.items()}
+    if all(one.retunes for one in here.values()):
+        coarse = _absorbed(rough, tunings, given)
+    else:
+        coarse = {(design, tuning): rough[design].again(tuning, one) for (design, tuning), one in fine.items()}
+
+    def each(found: Mapping[tuple[str, str], Absorbed]) -> FloatArray:
+        return np.array([[found[design, tuning].power for tuning in tunings] for design in ports])
+
+    power, hours = each(fine), practice(climate, PRACTICE_GAMMA).hours
+    errors = np.abs((power - each(coarse)) @ climate.hours) / 3
+    notes, names = (*climate.notes, outside), (tuple(ports), tuple(tunings))
+    return Year(climate, water, *names, fine, power, each(usual) @ hours, errors, reference, notes, efficiency)
+
+
+def design_year(port: Port | Ports, climate: Climate, efficiency: float = 1.0, kind: Kind = "full") -> DesignYear:
+    """Return one design over a climate, under dampers or, at several ports, damper matrices of a kind."""
+    if isinstance(port, Ports):
+        return MatrixYear(port, climate, efficiency, kind)
+    return DesignYear(port, climate, efficiency)
 
 
 def _absorbed(
-    designs: Iterable[str], years: Sequence[DesignYear], tunings: Sequence[Tuning], given: Mapping[str, float]
-) -> list[list[Load]]:
-    """Damper and power of each design under each tuning."""
-    best = best_for_all(years) if "one" in tunings else np.zeros(len(years))
-    found = []
-    for design, one, damper in zip(designs, years, best, strict=True):
-        dampers = {"fixed": given.get(design), "one": float(damper)}
-        found.append([one.absorbed(tuning, dampers.get(tuning)) for tuning in tunings])
-    return found
+    years: Mapping[str, DesignYear], tunings: Sequence[Tuning], given: Mapping[str, Any]
+) -> dict[tuple[str, str], Absorbed]:
+    """Dampers and power of each design under each tuning."""
+    own = list(years.values())
+    best = dict(zip(years, own[0].best_for_year(own), strict=True)) if "one" in tunings else {}
+    return {
+        (design, tuning): one.absorbed(tuning, best[design] if tuning == "one" else given.get(design))
+        for design, one in years.items()
+        for tuning in tunings
+    }
 
 
 def variance_outside(omega: Mapping[str, FloatArray], climate: Climate) -> str:
@@ -481,3 +553,216 @@ def practice(climate: Climate, gamma: float) -> Climate:
     bins = bins_of(climate)
     share = bins.share.ravel()[bins.occupied]
     return climate_of_cells(*bins.centres, share, gamma, f"{climate.name}, JONSWAP at bin centres")
+
+
+# beyond the validity of linear waves and small motions ----------------------------------------------------------------
+
+STEEPEST = 0.05
+"""Hs over the length of the energy period, as the ledger of a study has it [-]."""
+HIGHEST_WAVE = 1.86
+"""Highest of a thousand waves over Hs, sqrt(ln 1000/2) of Rayleigh's distribution [-]."""
+HIGHEST_VALUE = 3.72
+"""Highest of a thousand maxima over the standard deviation, sqrt(2 ln 1000) [-]."""
+MICHE = 0.142
+"""Height over length at which waves break in deep water, times tanh(k d) in any [-]."""
+MOTION = 0.3
+"""Heave over radius beyond which linear hydrodynamics are in doubt [-]."""
+DEFORMATION = 0.1
+"""Displacement of the shell over radius beyond which small deformations are [-]."""
+LIMITS = ("steepness", "breaking", "deformation", "heave")
+MARKED = LIMITS[:3]
+"""Limits that mark a sea; heave does not: in long waves a buoy follows the water, however far."""
+OF_WAVES = 2
+"""Limits, the first ones, of the waves alone: of a body no others are known."""
+NODES = 8
+"""Dampers at which variances are computed, to interpolate between them to 1e-3."""
+
+Marks = dict[str, tuple[tuple[str, ...], FloatArray]]
+"""Dimensions and values by name."""
+
+
+class Beyond(NamedTuple):
+    """Seas beyond one limit."""
+
+    name: str
+    largest: float  # over the seas of the climate [-]
+    limit: float
+    seas: BoolArray  # (sea,)
+
+    def energy(self, power: FloatArray, hours: FloatArray) -> float:
+        """Return the part of a year's energy from those seas; power and hours of each sea, shape (sea,)."""
+        total = float(power @ hours)
+        return float((power * hours)[self.seas].sum()) / total if total > 0 else 0.0
+
+
+def limits_of(radius: float | None) -> tuple[str, ...]:
+    """Return the limits known of a buoy of a radius [m], or of a body."""
+    return LIMITS if radius is not None else LIMITS[:OF_WAVES]
+
+
+@lru_cache(maxsize=4)
+def wave_limits(climate: Climate, water: Water) -> list[Beyond]:
+    """Return the seas too steep for linear waves, and those whose highest of a thousand waves breaks (Miche)."""
+    numbers = np.array([wavenumber(2 * np.pi / te, water.depth, water.gravity) for te in climate.te])
+    steepness = climate.hs * numbers / (2 * np.pi)
+    breaking = HIGHEST_WAVE * steepness / MICHE
+    if np.isfinite(water.depth):
+        breaking = breaking / np.tanh(numbers * water.depth)
+    return [_beyond("steepness", steepness, STEEPEST), _beyond("breaking", breaking, 1.0)]
+
+
+def motion_limits(motions: Mapping[str, FloatArray], radius: float) -> list[Beyond]:
+    """Return the seas in which the highest of a thousand maxima exceeds its limit.
+
+    Parameters
+    ----------
+    motions : mapping 'heave' or 'deformation' -> ndarray, shape (sea,) [m]
+        Root mean squares, see `rms`.
+    radius : float [m]
+    """
+    limits = {"heave": MOTION, "deformation": DEFORMATION}
+    return [_beyond(name, HIGHEST_VALUE * value / radius, limits[name]) for name, value in motions.items()]
+
+
+def _beyond(name: str, values: FloatArray, limit: float) -> Beyond:
+    """Seas beyond a limit."""
+    return Beyond(name, float(values.max()), limit, values > limit)
+
+
+def motion_rms(
+    waves: "InWaves[Any]", climate: Climate, dampers: FloatArray, chosen: IntArray, stiffness: float
+) -> dict[str, FloatArray]:
+    """Return the root mean squares of heave and deformation in each sea, shape (sea,) [m].
+
+    Parameters
+    ----------
+    dampers : ndarray, shape (damper,) [N s/m] or (damper, port, port)
+    chosen : ndarray, shape (sea,)
+        The damper of each sea.
+    stiffness : float [N/m]
+        Of the take-off's spring.
+
+    Notes
+    -----
+    Variances are smooth in the logarithm of one damper, see `vsb.engine.motion.tuning`: a polynomial through few.
+    """
+    nodes, shares = _nodes(dampers, chosen)
+    heave, shell = waves.motion.under(waves.port.force(nodes, stiffness))
+    squares = np.concatenate([_square(heave)[:, None], _square(shell).sum(axis=1)], axis=1)
+    squares = squares[:, [0, *(1 + np.flatnonzero(squares[:, 1:].any(axis=(0, 2))))]]  # points that move at all
+    bands = (squares / 2) @ band_weights(waves.port.omega, climate).T
+    if len(nodes) == 1:
+        bands = np.concatenate([bands[:, :1], _undominated(bands[0, 1:])[None]], axis=1)
+    each = bands @ climate.density.T  # (damper, row, sea)
+    variance = np.maximum(np.einsum("nrs,ns->rs", each, shares), 0.0)
+    return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0, initial=0.0))}
+
+
+def _undominated(rows: FloatArray) -> FloatArray:
+    """The rows no other exceeds in every band, (row, band): in any sea the largest is one of them."""
+    below = (rows[:, None] <= rows).all(axis=2)
+    twins = below & below.T
+    return rows[~((below & ~twins) | np.tril(twins, -1)).any(axis=1)]
+
+
+def _square(phasor: ComplexArray) -> FloatArray:
+    """Squared size."""
+    return np.asarray(phasor.real**2 + phasor.imag**2)
+
+
+def _nodes(dampers: FloatArray, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Dampers at which variances are computed, and the share of each in every sea, shape (node, sea).
+
+    Of one port Chebyshev's nodes between the least and the largest damper, of matrices those that are chosen.
+    """
+    if dampers.ndim > 1:
+        used, place = np.unique(chosen, return_inverse=True)
+        return dampers[used], np.eye(len(used))[:, place]
+    damping = dampers[chosen]
+    low, high = float(damping.min()), float(damping.max())
+    if low <= 0 or high - low <= 1e-9 * high:
+        return np.array([high]), np.ones((1, len(damping)))
+    nodes = np.cos((np.arange(NODES) + 0.5) * np.pi / NODES)
+    middle, half = np.log(high * low) / 2, np.log(high / low) / 2
+    x = (np.log(damping) - middle) / half
+    others = [np.delete(nodes, k)[:, None] for k in range(NODES)]
+    shares = [np.prod((x - other) / (node - other), axis=0) for node, other in zip(nodes, others, strict=True)]
+    return np.exp(middle + half * nodes), np.array(shares)
+
+
+def beyond_validity(year: Year, motions: Callable[[str, str], Mapping[str, FloatArray]], radius: float | None) -> Marks:
+    """Return which part of the seas of each bin lies beyond validity, and their shares of the energy.
+
+    Parameters
+    ----------
+    motions : callable
+        Design, tuning -> root mean squares of its motions in each sea, as of `motion_rms`.
+    radius : float or None [m]
+        Of a buoy; of a body only the waves are judged.
+    """
+    of_waves, hours = wave_limits(year.climate, year.water), year.climate.hours
+    sizes, known = (len(year.designs), len(year.tunings)), limits_of(radius)
+    marked, energy = np.zeros((*sizes, *year.bins.shape)), np.zeros((*sizes, len(known)))
+    together = np.zeros(sizes)
+    for i, design in enumerate(year.designs):
+        for j, tuning in enumerate(year.tunings):
+            limits = list(of_waves)
+            if radius is not None:
+                limits += motion_limits(motions(design, tuning), radius)
+            limits.sort(key=lambda one: known.index(one.name))
+            power, beyond = year.power[i, j], np.any([one.seas for one in limits if one.name in MARKED], axis=0)
+            marked[i, j] = year.bins.mean(beyond.astype(float))
+            energy[i, j] = [one.energy(power, hours) for one in limits]
+            together[i, j] = Beyond("marked", 0.0, 0.0, beyond).energy(power, hours)
+    by = ("design", "tuning")
+    return {
+        "beyond_validity": ((*by, "hs", "te"), marked),
+        "energy_beyond": ((*by, "limit"), energy),
+        "energy_beyond_validity": (by, together),
+    }
+
+
+def year_of_bins(
+    climate: Climate,
+    water: Water,
+    power: FloatArray,
+    mean: float,
+    error: float,
+    moved: Mapping[str, FloatArray],
+    radius: float | None,
+) -> dict[str, float | FloatArray]:
+    """Return the year of one design whose power and motion are known of the mean spectrum of each bin, by name.
+
+    A limit that its motion exceeds there marks all seas of the bin.
+
+    Parameters
+    ----------
+    power : ndarray, shape (hs, te) [W]
+    mean, error : float [W]
+        Mean power over the year, and its numerical error.
+    moved : mapping 'heave' or 'deformation' -> ndarray, shape (hs, te) [m]
+        Root mean squares.
+    """
+    bins, flux = bins_of(climate), climate.flux(water)
+    none, of_bins = np.zeros(bins.shape), bins.mean(flux)
+    shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, water)}
+    steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, water)], axis=0).astype(float))
+    marked = steep
+    if radius is not None:
+        for limit in motion_limits({name: values.ravel() for name, values in moved.items()}, radius):
+            shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
+        marked = np.where(shares["deformation"] > 0, 1.0, steep)
+    energy = bins.share * power
+    total = max(float(energy.sum()), np.finfo(float).tiny)
+    return {
+        "annual_mean_power": mean,
+        "annual_energy": mean * YEAR_HOURS / 1e6,
+        "capture_width": mean / float(flux @ climate.hours),
+        "quadrature_error": error,
+        "power_matrix": power,
+        "capture_width_matrix": np.divide(power, of_bins, out=none.copy(), where=of_bins > 0),
+        **dict.fromkeys(("power_deviation", "capture_width_deviation"), none),
+        "beyond_validity": marked,
+        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in limits_of(radius)]),
+        "energy_beyond_validity": float((energy * marked).sum()) / total,
+    }

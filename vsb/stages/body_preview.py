@@ -23,9 +23,8 @@ from vsb.engine.motion.linear import LinearSystem, direction_index
 from vsb.engine.waves.kinds import Wave, file_lines
 from vsb.errors import ConfigError, StabilityError
 from vsb.models.body import check_water, complete_body, dry_database, within_band
-from vsb.models.drag import dragged
 from vsb.models.floating_system import floating_body, port_in_seas, study_sea
-from vsb.models.take_off import check_law
+from vsb.models.take_off import check_law, dragged
 from vsb.pipeline.costs import body_seconds, memory_doubts, plain_seconds
 from vsb.pipeline.graph import BodyPlan
 from vsb.results import ledger

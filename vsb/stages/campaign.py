@@ -13,11 +13,9 @@ from vsb.engine.waves.climate import Climate, realised
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.engine.waves.water import Water
 from vsb.keys.quantities import canonical, content_id
-from vsb.models.floating_system import AnyBody, Floating
-from vsb.models.load_advice import advice
-from vsb.models.ports import BuoyOfShape
+from vsb.models.floating_system import AnyBody, BuoyOfShape, Floating
 from vsb.models.rest import whole_labels
-from vsb.models.viability import with_designs
+from vsb.models.viability import advice, with_designs
 from vsb.pipeline.plans import members
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_page import DRAWN, render
@@ -164,7 +162,8 @@ def _runs(point: BuoyOfShape, dampers: Mapping[str, float], waves: Sea, duration
     time = np.linspace(0.0, duration, FRAMES + 1)
     found = {}
     for design, damping in dampers.items():
-        moved = waves.amplitude[:, None] * inside[design].position(damping, spring)
+        seen, _, (free_motion, forced) = inside[design]
+        moved = waves.amplitude[:, None] * (free_motion - seen.force(damping, spring)[:, None] * forced)
         free = moved.any(axis=0)
         coords = {"time": time, "dof": labels[free]}
         found[design] = xr.DataArray(superposed(waves.omega, moved[:, free], time), coords, ("time", "dof"))

@@ -118,8 +118,7 @@ def summary(plan: CampaignPlan) -> list[str]:
 def _load_lines(plan: CampaignPlan) -> list[str]:
     """Whether the shells carry their static load: the answer is void if none does. Only of few points, for its time."""
     from vsb.engine.hydro.database import Check, Verdict
-    from vsb.models.load_advice import advice
-    from vsb.models.viability import buckling_margin
+    from vsb.models.viability import advice, buckling_margin
 
     shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
     if not 0 < len(shells) <= MOST_POINTS:

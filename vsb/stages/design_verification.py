@@ -3,6 +3,7 @@
 import json
 from typing import Any, Literal
 
+import numpy as np
 import xarray as xr
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, Buoy, buoy_of
@@ -10,7 +11,7 @@ from vsb.design.searched import best
 from vsb.engine.motion.port import Port
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.ports import BuoyOfShape
+from vsb.models.floating_system import BuoyOfShape
 from vsb.models.rest import reference_shell
 from vsb.models.viability import with_designs
 from vsb.results.verification import DesignInTime, chances, drawn, verified, verified_dataset
@@ -54,7 +55,8 @@ def _followed(spec: DesignVerificationSpec, climate: str, starts: str, root: str
     linear_year = year(ports, seas, next(iter(studies.values())).water, (GIVEN,), given, spec.rigid.design)
     sample = drawn(chances(linear_year, GIVEN), seas.hours, spec.verify.seas, spec.verify.seed)
     designs: dict[str, DesignInTime] = {design: in_time(study, root)[design] for design, study in studies.items()}
-    powers = powers_in_time(seas, linear_year.dampers[:, 0], sample, designs, spec.simulation, spec.verify.model)
+    dampers = np.array([one.of_seas for one in linear_year.absorbed.values()])
+    powers = powers_in_time(seas, dampers, sample, designs, spec.simulation, spec.verify.model)
     runs = verified(linear_year, GIVEN, sample, *powers)
     gain = runs.gain(0, 1)
     assert gain is not None  # the reference is the other one

@@ -16,11 +16,11 @@ from vsb.engine.hydro.orders import order_groups
 from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, fit_radiation, joined
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion import frequency as response
-from vsb.engine.motion.damper_matrix import best_matrix
 from vsb.engine.motion.linear import NO_TAKE_OFF
 from vsb.engine.motion.port import LinearPto, Port
 from vsb.engine.motion.reduced import reduced_motions
 from vsb.engine.motion.take_off import SeveralPorts, port_kind
+from vsb.engine.motion.tuning import best_matrix
 from vsb.engine.waves.water import power_limit
 from vsb.keys.quantities import canonical
 from vsb.models.floating_system import FloatingSystem, floating_system, stored_body

@@ -20,17 +20,23 @@ from vsb.engine.waves.climate import Climate, realised
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.keys.quantities import canonical, content_id
 from vsb.models.build import Memory, body_memory, radiation_model
-from vsb.models.floating_system import AnyBody, Floating, floating_body, floating_system, stored_body
-from vsb.models.ports import STATED, BuoyOfShape, SweptShape
+from vsb.models.floating_system import (
+    STATED,
+    AnyBody,
+    BuoyOfShape,
+    Floating,
+    SweptShape,
+    floating_body,
+    floating_system,
+    stored_body,
+)
 from vsb.models.rest import order_bases, rubber_shell
 from vsb.models.stationary import realised_within
 from vsb.models.viability import Viability, viability, viability_of_body, with_designs
 from vsb.pipeline.graph import StudyPlan, database_path, radiation_path
 from vsb.pipeline.plans import Member, members
-from vsb.results.campaign import stacked
-from vsb.results.causal_year import Schedule, schedules_at_port, year_of_schedules
-from vsb.results.matrix_year import year_of_matrices
-from vsb.results.member import YearsWithin, member, ports_year
+from vsb.results.campaign import YearsWithin, member, ports_year, stacked
+from vsb.results.causal_year import Schedule, schedules, year_of_schedules
 from vsb.results.verification import (
     DECAYS,
     RECORD,
@@ -219,22 +225,20 @@ def _of_viable(
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning in ("fixed", "one", "each", CAUSAL)  # the others are of no law in time
-    at, schedules = floating.at(frequencies(seas, *floating.band)), dict[str, Schedule]()
+    at, by_bin = floating.at(frequencies(seas, *floating.band)), dict[str, Schedule]()
     if tuning == CAUSAL:
-        schedules = schedules_at_port(study, floating, seas, at.in_waves())
-        year = year_of_schedules(study, seas, schedules)
-    elif study.pto.several:
-        year, dampers = year_of_matrices(study, at.several_ports(), seas, tuning)
+        by_bin = schedules(study, floating, seas, at.in_waves())
+        year = year_of_schedules(study, seas, by_bin)
     else:
-        year = ports_year(study, at.ports(study.pto.stiffness), seas, (tuning,))
-        dampers = year.dampers[:, 0]
+        year = ports_year(study, at.seen(study.pto.stiffness), seas, (tuning,))
+        dampers = np.array([year.absorbed[design, tuning].of_seas for design in year.designs])
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     designs = in_time(spec.simulated, root) if spec.buoy else bodies_in_time(spec, root)
     some = {design: designs[design] for design in study.designs}
     if tuning == CAUSAL:
-        equipped = under_schedules(seas, schedules, some)
+        equipped = under_schedules(seas, by_bin, some)
         powers = runs_in_time(seas, sample, list(some), equipped, spec.simulation, spec.verify.model)
     else:
         powers = powers_in_time(seas, dampers, sample, some, spec.simulation, spec.verify.model)
@@ -273,15 +277,13 @@ Equipped = Callable[[str, int], tuple[DesignInTime, float]]
 """Design, sea of the climate -> the design with its take-off there, and how long its motions last [s]."""
 
 
-def under_schedules(
-    climate: Climate, schedules: Mapping[str, Schedule], designs: Mapping[str, DesignInTime]
-) -> Equipped:
+def under_schedules(climate: Climate, by_bin: Mapping[str, Schedule], designs: Mapping[str, DesignInTime]) -> Equipped:
     """Return the designs under the causal controller, or the damper, of the bin a sea is in."""
     bins, highest = bins_of(climate), float(climate.edges[-1])
 
     @cache
     def in_bin(name: str, row: int) -> tuple[DesignInTime, float]:
-        design, own = designs[name], schedules[name][row][CAUSAL]
+        design, own = designs[name], by_bin[name][row][CAUSAL]
         if own.optimum is None:
             damped = design.with_damping(own.damping)
             return damped, damped.decay_time(highest)

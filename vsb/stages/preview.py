@@ -32,7 +32,7 @@ def load_advised(study: Study) -> Iterator[None]:
     try:
         yield
     except ConfigError as error:
-        from vsb.models.load_advice import advised  # only now: it imports what solves
+        from vsb.models.viability import advised  # only now: it imports what solves
 
         raise advised(study, error) from None
 

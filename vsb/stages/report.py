@@ -57,21 +57,23 @@ from vsb.report.shell_figures import round_factor, sketches
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.results.comparison import in_direction
-from vsb.results.force_steps import SeenPort, force_steps
-from vsb.results.forecast import Elsewhere, elsewhere, worth_of_knowledge
+from vsb.results.constrained_year import SeenPort, force_steps
 from vsb.results.gains import (
     AtForce,
+    Elsewhere,
     Limited,
     Tuned,
     at_force,
+    elsewhere,
     equal_tuning,
     fair_damping_checks,
     reference_power_checks,
     within_limits,
+    worth_of_knowledge,
 )
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
+from vsb.results.ledger import agreement_checks, law_checks, sea_checks, transient_checks
 from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
-from vsb.results.run_checks import agreement_checks, law_checks, sea_checks, transient_checks
 from vsb.results.statistics import families
 from vsb.stages.stored import Inputs
 from vsb.study import figure_names

@@ -17,8 +17,7 @@ from vsb.engine.shell.orders import OrderBasis, enclosed_in_orders
 from vsb.engine.waves.sampling import relative_error
 from vsb.engine.waves.seas import FEW
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.models.build import DesignInSea, design_in_sea
-from vsb.models.latching import STEADY
+from vsb.models.build import STEADY, DesignInSea, design_in_sea
 from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
 from vsb.tools.arrays import FloatArray

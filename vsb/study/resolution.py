@@ -433,7 +433,7 @@ def degree_needed(study: AnyBuoy) -> int:
     A wall as soft as the water resonates in waves; where the port lies within the shell, all power comes from what the
     wall yields, and of one between two points most of it yields near them; where the port surges or pitches, the shell
     is a spring between the water and the ballast. How much is left out is measured afterwards
-    (`vsb.results.left_out`).
+    (`vsb.results.budget`).
     """
     stiffness, port = wall_stiffness(study, 2), study.pto.port
     ports = [*port.ports.values()] if isinstance(port, SeveralPorts) else [port]

@@ -117,7 +117,18 @@ def watts_within(values: Sequence[tuple[float, float, float]]) -> tuple[list[str
     (['18.720 (18.712 to 18.731)', '18.310 (18.290 to 18.330)'], 'kW')
     """
     texts, unit = watts_and_ends(values)
-    return [f"{value} ({low} to {high})" for value, low, high in texts], unit
+    return [within_text(*each) for each in texts], unit
+
+
+def within_text(value: str, low: str, high: str, unit: str = "") -> str:
+    """Return a printed value with its interval; one that its digits do not show is exact to them.
+
+    Examples
+    --------
+    >>> within_text("18.72", "18.71", "18.73"), within_text("4601.6", "4601.6", "4601.6")
+    ('18.72 (18.71 to 18.73)', '4601.6 (exact to all digits)')
+    """
+    return f"{value}{unit} ({'exact to all digits' if low == value == high else f'{low} to {high}{unit}'})"
 
 
 def watts_and_ends(values: Sequence[tuple[float, float, float]]) -> tuple[list[list[str]], str]:
@@ -139,7 +150,8 @@ def gains_within(values: Sequence[tuple[float, float, float]]) -> list[str]:
     ['+4.070 % (+3.600 to +4.400 %)', '-0.001 % (-0.003 to +0.000 %)']
     """
     digits = decimals_of(values, 2, 4)
-    return [f"{value:+z.{digits}f} % ({low:+z.{digits}f} to {high:+z.{digits}f} %)" for value, low, high in values]
+    texts = [[f"{number:+z.{digits}f}" for number in each] for each in values]
+    return [within_text(value, low, high, " %") for value, low, high in texts]
 
 
 GAIN_DIGITS = 5

@@ -21,7 +21,7 @@ from vsb.engine.shell.meridian import capsule, spheroid
 from vsb.engine.shell.modes import Mode, ModeBasis, natural_shapes
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
-from vsb.models.ports import buoy_at
+from vsb.models.floating_system import buoy_at
 from vsb.models.rest import reference_shell
 from vsb.stages.members import swept_shape
 from vsb.study import study as config

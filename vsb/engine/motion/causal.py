@@ -1,4 +1,4 @@
-"""Optimal control of one port by a controller that does not know the future waves (Wiener and Hopf).
+"""Optimal control of a port, or of several, by a controller that does not know the future waves (Wiener and Hopf).
 
 In a stationary sea the port moves with velocity V = V0 - Y F. The controller measures the Thevenin force F_e = V0/Y,
 which it reconstructs from the motion and its own past force, with white noise, and knows it up to T seconds ahead.
@@ -19,6 +19,16 @@ with the future known W Q = G, otherwise W Q is the part of G at times t >= -T. 
 and displacement have given rms values: the means of F^2, S^2 and V^2 are the slopes of the optimum by the weights.
 Phasors are Re(. exp(-i omega t)) (C1): what is causal is analytic in the upper half plane.
 
+Of several ports the same holds with matrices and the objective E[F^T V] - lambda E[F^T F], so that what is limited is
+the rms of all forces together, sqrt(sum E[F_i^2]): no turn of the ports among each other changes it. With the density
+matrix S_v of V0, white noise of the same density at each port, and causal factors with causal inverses
+
+    H H^H = S_e + S_n,   S_e = Y^-1 S_v Y^-H,   W^H W = Re Y + lambda,
+
+the optimum of F = Q e is W Q = the part at t >= -T of G = W^-H S_v Y^-H H^-H/2, and its objective int |that part|^2.
+Of one port the factors have a closed form, by the logarithms of what they are to be; of several they are found by the
+iteration of G. T. Wilson (SIAM J. Appl. Math. 23, 1972), from those of the diagonals.
+
 A spectrum that vanishes as fast as exp(-omega^-4), like those of seas, has no factor H without noise: such a sea could
 be predicted from its past without error (Paley and Wiener). So the noise is part of the result. See J. T. Scruggs,
 S. M. Lattanzio, A. A. Taflanidis and I. L. Cassidy, Optimal causal control of a wave energy converter in a random sea,
@@ -26,17 +36,18 @@ Applied Ocean Research 42 (2013), which solves the same problem with rational mo
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.fft import fft, ifft
 from scipy.optimize import brentq
 
+from vsb.engine.motion.port import RADIATES_NOTHING
 from vsb.engine.motion.tuning import converted_power
-from vsb.errors import StabilityError
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
 NOISE = 1e-5
 """Default density of the noise, over the peak of that of the Thevenin force: -50 dB."""
@@ -53,6 +64,12 @@ KEPT = 1e-6
 """Relative tolerance on a limit."""
 REPEATED, SAME_POWER = 40, 1e-9
 """With losses in conversion: most repetitions, and the relative change of power after which they end."""
+
+STEPS, FACTORED, LEFT = 60, 1e-10, 1e-2
+"""Most iterations for a factor, the relative error of its square, mean over frequencies, that ends them, and the most
+that may be left where signals outlast the grid: what that does to powers is part of `numerical_error`."""
+STILL = 1e-14
+"""Square of an admittance, in terms of the largest, below which forces move nothing but by round-off."""
 
 
 class Weights(NamedTuple):
@@ -96,25 +113,16 @@ class Controlled(NamedTuple):
 
 
 @dataclass(frozen=True)
-class StationaryPort:
-    """A port in a stationary sea, at the frequencies (k + 1/2) spacing.
+class _OnGrid:
+    """One port or several in a stationary sea, at the frequencies (k + 1/2) spacing; further axes are those of ports.
 
     Signals of these frequencies change sign after 2 pi/spacing, which must be longer than they remember. The band must
-    extend to where the spectrum of the free velocity is small; beyond it the port may be continued (`extended`).
+    extend to where the spectrum of the free velocity is small.
     """
 
     spacing: float  # [rad/s]
-    admittance: ComplexArray  # Y (omega,) [m/(N s)]
-    spectrum: FloatArray  # S_v, one-sided density of the free velocity (omega,) [m^2/s]
-
-    def __post_init__(self) -> None:
-        """Check that the port is passive and its spectrum a density."""
-        if self.spacing <= 0 or not np.all(self.admittance.real >= 0):
-            raise ValueError(
-                "port: not passive, or its frequencies do not ascend; needs Re Y >= 0 and a spacing above 0"
-            )
-        if not np.all(self.spectrum >= 0):
-            raise ValueError("spectrum: received a negative density; needs at least 0")
+    admittance: ComplexArray  # Y (omega, ...) [m/(N s)]
+    spectrum: AnyArray  # S_v, one-sided density of the free velocity (omega, ...) [m^2/s]
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -126,15 +134,63 @@ class StationaryPort:
         """Time step of signals [s]."""
         return float(np.pi / (len(self.admittance) * self.spacing))
 
+    def integral(self, density: AnyArray) -> float:
+        """Return the integral of a density over the frequencies."""
+        return float(density.real.sum() * self.spacing)
+
+    def coarser(self) -> Self:
+        """Return the same at every third of its frequencies: what is resolved changes little."""
+        return replace(self, spacing=3 * self.spacing, admittance=self.admittance[1::3], spectrum=self.spectrum[1::3])
+
+    def shorter(self) -> Self:
+        """Return the same with half of the frequencies beyond the spectrum."""
+        used = int(np.flatnonzero(self.spectrum.reshape(len(self.omega), -1).any(axis=1))[-1]) + 1
+        kept = (used + len(self.omega)) // 2
+        return replace(self, admittance=self.admittance[:kept], spectrum=self.spectrum[:kept])
+
+    @cached_property
+    def _turn(self) -> ComplexArray:
+        """exp(-i spacing t/2) at the times of a period: frequencies lie half a spacing off those of a transform."""
+        n = 2 * len(self.admittance)
+        return np.asarray(np.exp(-1j * np.pi * np.arange(n) / n)).reshape(-1, *(1,) * (self.admittance.ndim - 1))
+
+    def signal(self, phasors: ComplexArray) -> FloatArray:
+        """Return the real signal int X exp(-i omega t) d omega over all frequencies, shape (time, ...).
+
+        Times are 0, step, 2 step, ...; the second half of them are the negative ones, with the other sign.
+        """
+        return np.asarray(2 * self.spacing * (fft(phasors, 2 * len(phasors), axis=0) * self._turn).real)
+
+    def causal(self, phasors: ComplexArray) -> ComplexArray:
+        """Return the part of a signal at t > 0, and half of that at t = 0, as phasors of its shape."""
+        values = self.signal(phasors)
+        values[0] /= 2
+        values[len(phasors) :] = 0.0
+        return np.asarray(ifft(values * self._turn.conj(), axis=0)[: len(phasors)] / self.spacing)
+
+    def causal_part(self, real: FloatArray) -> ComplexArray:
+        """Return the causal function with this real part."""
+        return 2 * self.causal(real.astype(complex))
+
+
+@dataclass(frozen=True)
+class StationaryPort(_OnGrid):
+    """A port in a stationary sea: admittance and density of the free velocity have the shape (omega,)."""
+
+    def __post_init__(self) -> None:
+        """Check that the port is passive and its spectrum a density."""
+        if self.spacing <= 0 or not np.all(self.admittance.real >= 0):
+            raise ValueError(
+                "port: not passive, or its frequencies do not ascend; needs Re Y >= 0 and a spacing above 0"
+            )
+        if not np.all(self.spectrum >= 0):
+            raise ValueError("spectrum: received a negative density; needs at least 0")
+
     @cached_property
     def excitation(self) -> FloatArray:
         """S_e, one-sided density of the Thevenin force, shape (omega,) [N^2 s]."""
         size = np.abs(self.admittance) ** 2
         return np.asarray(np.divide(self.spectrum, size, out=np.zeros_like(size), where=size > 0))
-
-    def integral(self, density: FloatArray) -> float:
-        """Return the integral of a density over the frequencies."""
-        return float(density.sum() * self.spacing)
 
     @cached_property
     def matched_power(self) -> float:
@@ -152,41 +208,19 @@ class StationaryPort:
         """Weight with which displacement counts as much as force where the port moves most [N/(m s)]."""
         return float(1 / np.abs(self.admittance * self.omega).max())
 
-    def coarser(self) -> "StationaryPort":
-        """Return the port at every third of its frequencies: what is resolved changes little."""
-        return StationaryPort(3 * self.spacing, self.admittance[1::3], self.spectrum[1::3])
+    @property
+    def largest_loss(self) -> float:
+        """The largest Re Y [m/(N s)]."""
+        return float(self.admittance.real.max())
 
-    def shorter(self) -> "StationaryPort":
-        """Return the port with half of the frequencies beyond the spectrum."""
-        used = int(np.flatnonzero(self.spectrum)[-1]) + 1
-        kept = used + (len(self.admittance) - used) // 2
-        return StationaryPort(self.spacing, self.admittance[:kept], self.spectrum[:kept])
+    @property
+    def free_rms(self) -> float:
+        """Root mean square of the free velocity [m/s]."""
+        return float(np.sqrt(self.integral(self.spectrum)))
 
-    # signals and factors ----------------------------------------------------------------------------------------------
-
-    @cached_property
-    def _turn(self) -> ComplexArray:
-        """exp(-i spacing t/2) at the times of a period: frequencies lie half a spacing off those of a transform."""
-        n = 2 * len(self.admittance)
-        return np.asarray(np.exp(-1j * np.pi * np.arange(n) / n))
-
-    def signal(self, phasors: ComplexArray) -> FloatArray:
-        """Return the real signal int X exp(-i omega t) d omega over all frequencies, shape (time,).
-
-        Times are 0, step, 2 step, ...; the second half of them are the negative ones, with the other sign.
-        """
-        return np.asarray(2 * self.spacing * (fft(phasors, 2 * len(phasors)) * self._turn).real)
-
-    def phasors(self, signal: FloatArray) -> ComplexArray:
-        """Return the inverse of `signal`, shape (omega,)."""
-        return np.asarray(ifft(signal * self._turn.conj())[: len(signal) // 2] / self.spacing)
-
-    def causal_part(self, real: FloatArray) -> ComplexArray:
-        """Return the causal function with this real part, shape (omega,)."""
-        values = self.signal(real.astype(complex))
-        values[1 : len(real)] *= 2
-        values[len(real) :] = 0.0
-        return self.phasors(values)
+    def moved(self) -> Self:
+        """Return itself: a single port moves."""
+        return self
 
     # optima -----------------------------------------------------------------------------------------------------------
 
@@ -242,14 +276,11 @@ class StationaryPort:
 
     def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
         """Return K = Q/H of the optimum, the force over the Thevenin force, shape (omega,) [-]; see `controlled`."""
-        (cost, _), size = self.cost(weights), len(self.omega)
+        cost, _ = self.cost(weights)
         ahead = np.exp(1j * self.omega * forecast)
         density = self.excitation + noise * self.excitation.max()
         w, h = (np.exp(self.causal_part(0.5 * np.log(square))) for square in (cost, density))
-        wanted = self.signal(self.wanted(weights, noise, forecast))
-        wanted[0] /= 2
-        wanted[size:] = 0.0
-        return np.asarray(self.phasors(wanted) / (w * h * ahead))
+        return np.asarray(self.causal(self.wanted(weights, noise, forecast)) / (w * h * ahead))
 
     def wanted(self, weights: Weights, noise: float, forecast: float) -> ComplexArray:
         """Return G of a controller, ahead of it by its forecast: what W Q would be if it knew the future (omega,)."""
@@ -260,24 +291,147 @@ class StationaryPort:
         return np.asarray(self.spectrum * ahead * factors * (1 / self.admittance.conj() + 2 * kappa) / 2)
 
 
-class OnGrid(Protocol):
-    """Ports at the frequencies of a grid."""
+@dataclass(frozen=True)
+class StationaryPorts(_OnGrid):
+    """Several ports in a stationary sea: admittances and Hermitian densities have the shape (omega, port, port)."""
+
+    stroke_weight = 1.0
+    """Displacements are not limited."""
+
+    def over(self, forces: FloatArray) -> "StationaryPorts":
+        """Return the same as seen by other forces, those of the ports being F = U f, U shape (port, force)."""
+        admittance, spectrum = forces.T @ self.admittance @ forces, forces.T @ self.spectrum @ forces
+        return StationaryPorts(self.spacing, admittance, spectrum)
+
+    def moving(self) -> FloatArray:
+        """Return forces U (port, force), F = U f, without those that move nothing.
+
+        Those of ports that stand still or move as others do are left out.
+        """
+        size, along = np.linalg.eigh(np.einsum("wij,wkj->ik", self.admittance, self.admittance.conj()).real)
+        return np.asarray(along[:, size > STILL * size.max()])
+
+    def moved(self) -> "StationaryPorts":
+        """Return the same as seen by the forces of `moving`."""
+        return self.over(self.moving())
+
+    @cached_property
+    def measured(self) -> ComplexArray:
+        """S_v Y^-H, shape (omega, port, port)."""
+        return np.asarray(np.linalg.solve(self.admittance.conj(), self.spectrum.swapaxes(1, 2)).swapaxes(1, 2))
+
+    @cached_property
+    def excitation(self) -> ComplexArray:
+        """S_e, densities of the forces of the waves, shape (omega, port, port)."""
+        return np.asarray(np.linalg.solve(self.admittance, self.measured))
+
+    @cached_property
+    def matched_power(self) -> float:
+        """Mean power of forces without limits that know the future [W]."""
+        loss, vectors = np.linalg.eigh(self.admittance.real)
+        along = np.einsum("wji,wjk,wki->wi", vectors, self.spectrum, vectors).real
+        kept = loss > RADIATES_NOTHING * loss.max(axis=1, keepdims=True)
+        return self.integral(np.divide(along, 4 * loss, out=np.zeros_like(along), where=kept))
 
     @property
-    def matched_power(self) -> float:
-        """Mean power without limits [W]."""
+    def largest_loss(self) -> float:
+        """The largest eigenvalue of Re Y [m/(N s)]."""
+        return float(np.linalg.eigvalsh(self.admittance.real).max())
 
-    def coarser(self) -> Self:
-        """Return the same with a larger spacing."""
+    @property
+    def free_rms(self) -> float:
+        """Root of the sum of the mean squares of all free velocities."""
+        return float(np.sqrt(self.integral(np.einsum("wii->w", self.spectrum))))
 
-    def shorter(self) -> Self:
-        """Return the same with fewer frequencies."""
+    # factors ----------------------------------------------------------------------------------------------------------
 
-    def controlled(self, weights: Weights, noise: float, forecast: float) -> Controlled:
-        """Return the optimum at given weights."""
+    def _factor(self, square: ComplexArray) -> ComplexArray:
+        """The causal B with a causal inverse and B B^H = a Hermitian, positive matrix, (omega, port, port).
+
+        Wilson's iteration, Newton's method: B becomes B (the causal part of B^-1 square B^-H + 1).
+        """
+        one = np.eye(square.shape[1])
+        logs = np.log(np.einsum("wii->wi", square).real)[:, :, None] * one
+        parts = self.causal_part(0.5 * logs)
+        begin = np.exp(np.einsum("wii->wi", parts))[:, :, None] * one
+        found, before, size = begin, np.inf, np.abs(square).max(axis=(1, 2))
+        for _ in range(STEPS):
+            found = found @ self.causal(self._seen(found, square) + one)
+            away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).mean())
+            if away <= FACTORED or 0.99 * before < away <= LEFT:
+                return np.asarray(found)
+            before = away
+        raise ConvergenceError(
+            f"pto: no causal control of {square.shape[1]} ports found: they swing longer than "
+            f"{np.pi / self.spacing:.3g} s; needs more damping of the shell"
+        )
+
+    @staticmethod
+    def _seen(factor: ComplexArray, square: AnyArray) -> ComplexArray:
+        """B^-1 square B^-H."""
+        inverse = np.linalg.inv(factor)
+        return np.asarray(inverse @ square @ inverse.conj().swapaxes(1, 2))
+
+    # optima -----------------------------------------------------------------------------------------------------------
+
+    def controlled(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> Controlled:
+        """Return the optimum at a weight of the forces; its stroke and speed are not computed, and 0.
+
+        Parameters
+        ----------
+        noise : float [-]
+            Density of the noise at each port over the peak of the sum of those of the forces of the waves; above 0.
+        forecast : float [s]
+            T; infinite, without noise: all waves are known.
+        """
+        if np.isinf(forecast):
+            return self.known_future(weights)
+        cost, g = self._wanted(weights, noise, forecast)
+        by_force = self.causal(self._seen(cost, np.eye(cost.shape[1])[None])).conj() @ g
+        tail = Tail(self, g)
+        objective, force = tail.square(tail), 2 * tail.square(Tail(self, by_force))
+        return Controlled(objective + weights.force * force, force, 0.0, 0.0, weights)
+
+    def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
+        """Return K = Q H^-1 of the optimum, the forces over those of the waves, shape (omega, port, port) [-].
+
+        Parameters as of `controlled`.
+        """
+        cost, g = self._wanted(weights, noise, forecast)
+        behind = np.exp(-1j * self.omega * forecast)[:, None, None]
+        q = np.linalg.solve(cost.swapaxes(1, 2), behind * self.causal(g))
+        return np.asarray(np.linalg.solve(self._noisy(noise).swapaxes(1, 2), q.swapaxes(1, 2)).swapaxes(1, 2))
+
+    def _wanted(self, weights: Weights, noise: float, forecast: float) -> tuple[ComplexArray, ComplexArray]:
+        """The transpose of W, and G ahead by the forecast, each shape (omega, port, port)."""
+        cost = self._factor(self.admittance.real + weights.force * np.eye(self.admittance.shape[1]) + 0j)
+        whitened = np.linalg.solve(self._noisy(noise), self.measured.conj().swapaxes(1, 2)).conj().swapaxes(1, 2)
+        ahead = np.exp(1j * self.omega * forecast)[:, None, None]
+        return cost, np.asarray(ahead * np.linalg.solve(cost.conj(), whitened) / 2)
+
+    def _noisy(self, noise: float) -> ComplexArray:
+        """H, shape (omega, port, port); kept, for it is the same at all weights."""
+        known: dict[float, ComplexArray] = self.__dict__.setdefault("_known", {})
+        if noise not in known:
+            peak = float(np.einsum("wii->w", self.excitation).real.max())
+            known[noise] = self._factor(self.excitation + noise * peak * np.eye(self.admittance.shape[1]))
+        return known[noise]
+
+    def known_future(self, weights: Weights) -> Controlled:
+        """Return the optimum of forces that know all waves, F = (Re Y + lambda)^-1 V0/2."""
+        loss = self.admittance.real
+        cost = loss + weights.force * np.eye(loss.shape[1])
+        forces = np.linalg.solve(cost, np.linalg.solve(cost, self.spectrum).conj().swapaxes(1, 2)) / 4
+        along = self.integral(np.einsum("wii->w", np.linalg.solve(cost, self.spectrum)) / 2)
+        power = along - self.integral(np.einsum("wij,wji->w", loss, forces))
+        return Controlled(power, self.integral(np.einsum("wii->w", forces)), 0.0, 0.0, weights)
 
 
-def numerical_error(port: OnGrid, found: Controlled, noise: float, forecast: float) -> float:
+Stationary = StationaryPort | StationaryPorts
+"""One port or several in a stationary sea."""
+
+
+def numerical_error(port: Stationary, found: Controlled, noise: float, forecast: float) -> float:
     """Return the relative error of an optimum by spacing and time step of its signals [-].
 
     The changes by three times the spacing and by half the frequencies beyond the spectrum: both errors fall by a factor
@@ -297,7 +451,7 @@ class RmsLimits(NamedTuple):
 
 
 def optimum(
-    port: StationaryPort, limits: RmsLimits, noise: float = NOISE, forecast: float = 0.0, efficiency: float = 1.0
+    port: Stationary, limits: RmsLimits, noise: float = NOISE, forecast: float = 0.0, efficiency: float = 1.0
 ) -> Controlled:
     """Return the control that absorbs most within limits of the rms of force and displacement.
 
@@ -306,11 +460,11 @@ def optimum(
     Parameters
     ----------
     limits : RmsLimits
-        Those that the optimum without them keeps do not bind.
+        Those that the optimum without them keeps do not bind. Of several ports of all forces together alone.
     noise, forecast : float [-], [s]
         See `StationaryPort.controlled`. Infinite forecast without noise: all waves are known.
     efficiency : float [-]
-        Of both directions of power.
+        Of both directions of power; of several ports 1.
 
     Notes
     -----
@@ -319,11 +473,12 @@ def optimum(
     """
     if not port.spectrum.any():
         return Controlled(0.0, 0.0, 0.0, 0.0, Weights(np.inf))
+    port = port.moved()
 
     def within(losses: Weights) -> Controlled:
         return _within_limits(lambda weights: port.controlled(weights, noise, forecast), port, limits, losses)
 
-    best = within(Weights(LEAST_WEIGHT * float(port.admittance.real.max())))
+    best = within(Weights(LEAST_WEIGHT * port.largest_loss))
     if efficiency == 1.0:
         return best
     value, losses = best.converted(efficiency), _losses(best, efficiency)
@@ -344,7 +499,7 @@ def steadiest(port: StationaryPort, force: float, noise: float = NOISE, forecast
 
     Its weight of displacement is finite, see `STEADY`: the optimum changes smoothly with its port.
     """
-    weight, least = STEADY * port.stroke_weight, LEAST_WEIGHT * float(port.admittance.real.max())
+    weight, least = STEADY * port.stroke_weight, LEAST_WEIGHT * port.largest_loss
     return _within_force(lambda one: port.controlled(one, noise, forecast), port, force, Weights(least, weight))
 
 
@@ -358,7 +513,7 @@ def _losses(at: Controlled, efficiency: float) -> Weights:
 
 
 def _within_limits(
-    controlled: Callable[[Weights], Controlled], port: StationaryPort, limits: RmsLimits, least: Weights
+    controlled: Callable[[Weights], Controlled], port: Stationary, limits: RmsLimits, least: Weights
 ) -> Controlled:
     """The optimum with the least weights with which both limits hold."""
 
@@ -375,10 +530,10 @@ def _within_limits(
 
 
 def _within_force(
-    controlled: Callable[[Weights], Controlled], port: StationaryPort, force: float, least: Weights
+    controlled: Callable[[Weights], Controlled], port: Stationary, force: float, least: Weights
 ) -> Controlled:
     """The optimum with the least weight of the force with which its limit holds; the other weights as given."""
-    start = np.sqrt(port.integral(port.spectrum)) / (2 * force)  # where the force alone costs, it holds
+    start = port.free_rms / (2 * force)  # where the force alone costs, it holds
     return least_weight(
         lambda weight: controlled(least._replace(force=weight)), least.force, start, lambda one: one.force_rms / force
     )
@@ -408,18 +563,132 @@ def least_weight(
 class Tail:
     """The part of a signal at times t >= 0, for integrals of products of two of them."""
 
-    def __init__(self, port: StationaryPort, phasors: ComplexArray) -> None:
+    def __init__(self, port: Stationary, phasors: ComplexArray) -> None:
         self.values, self.step = port.signal(phasors)[: len(phasors)], port.step
-        rate = -1j * port.omega
-        self.slopes = [2 * port.spacing * float(np.sum(rate**n * phasors).real) for n in (0, 1, 2, 3)]
+        rate = (-1j * port.omega).reshape(-1, *(1,) * (phasors.ndim - 1))
+        self.slopes = [2 * port.spacing * np.sum(rate**n * phasors, axis=0).real for n in (0, 1, 2, 3)]
 
     def square(self, other: "Tail") -> float:
-        """Return the integral over frequency of the product of the phasors of two causal parts.
+        """Return the integral over frequency of the product of the phasors of two causal parts, summed over entries.
 
         By the trapezoidal rule over time with the first two terms of Euler and Maclaurin at t = 0.
         """
         (a0, a1, a2, a3), (b0, b1, b2, b3), dt = self.slopes, other.slopes, self.step
         first = a0 * b1 + a1 * b0
         third = a0 * b3 + 3 * (a1 * b2 + a2 * b1) + a3 * b0
-        total = dt * (float(self.values @ other.values) - a0 * b0 / 2) + dt**2 * first / 12 - dt**4 * third / 720
-        return total / (4 * np.pi)
+        ends = dt**2 * first / 12 - dt * a0 * b0 / 2 - dt**4 * third / 720
+        return float(dt * np.vdot(self.values, other.values) + np.sum(ends)) / (4 * np.pi)
+
+
+# derivatives of the optimum of one port -----------------------------------------------------------------------------
+
+# Of the objective L, power less weights times mean squares, the logarithm of the phasors G is a sum of logarithms, so
+# that first and second derivatives of L have a closed form. The controller is the best one at given weights: its own
+# change does not count in dL (envelope theorem), and the slopes of L by the weights are less the mean squares. At given
+# limits the weights of those that bind follow from d(mean square) = 0, and the power from dP = dL at fixed weights +
+# weights times d(mean square).
+
+
+class Slopes(NamedTuple):
+    """Derivatives of an optimum within limits by some variables, each shape (variable,)."""
+
+    power: FloatArray
+    force: FloatArray  # of the mean square of the force
+    stroke: FloatArray  # of that of the displacement
+
+
+def slopes(
+    port: StationaryPort,
+    found: Controlled,
+    admittance: ComplexArray,
+    spectrum: FloatArray,
+    noise: float,
+    forecast: float,
+    *,
+    steadiest: bool = False,
+) -> Slopes:
+    """Return the derivatives of an optimum of `optimum` without losses in conversion.
+
+    Parameters
+    ----------
+    port, found : StationaryPort, Controlled
+    admittance, spectrum : ndarray, shape (variable, omega)
+        Derivatives of the admittance [m/(N s)] and of the density of the free velocity [m^2/s].
+    steadiest : bool
+        Of one of `steadiest` instead.
+    """
+    weights = np.array([found.weights.force, found.weights.stroke])
+    largest = int(port.admittance.real.argmax())
+    binds = weights > [LEAST_WEIGHT * float(port.admittance.real[largest]), np.inf if steadiest else 0.0]
+    swung = int(np.abs(port.admittance * port.omega).argmax())
+    objective = _Objective(port, found.weights, noise, forecast)
+    by_weights = objective.by_force, objective.by_stroke
+    bend = np.array([[objective.second(one, other) for other in by_weights] for one in by_weights])
+    power, squares = np.empty(len(admittance)), np.empty((2, len(admittance)))
+    for i, change in enumerate(map(objective.by_port, admittance, spectrum)):
+        mixed = np.array([objective.second(one, change) for one in by_weights])
+        moved = np.array([LEAST_WEIGHT * admittance[i, largest].real, 0.0])  # weights that do not bind
+        if steadiest:
+            grown = float((admittance[i, swung] / port.admittance[swung]).real)
+            moved[1] = -STEADY * port.stroke_weight * grown
+        moved[binds] = 0.0
+        moved[binds] = -np.linalg.solve(bend[np.ix_(binds, binds)], (mixed + bend @ moved)[binds])
+        squares[:, i] = np.where(binds, 0.0, -mixed - bend @ moved)
+        power[i] = objective.first(change) + weights @ squares[:, i]
+    return Slopes(power, *squares)
+
+
+class _Change(NamedTuple):
+    """Derivatives by a weight or a variable, each shape (omega,)."""
+
+    log: ComplexArray  # of log G
+    cost: FloatArray  # of |W|^2
+    cross: ComplexArray  # of 1/conj(Y) + 2 kappa
+    kappa: FloatArray
+    size: FloatArray  # of |Y|^2
+    spectrum: FloatArray  # of S_v
+
+
+class _Objective:
+    """The objective of a controller at given weights, int |the part of G at t >= -T|^2 - int kappa S_v."""
+
+    def __init__(self, port: StationaryPort, weights: Weights, noise: float, forecast: float) -> None:
+        self.port, self.noise = port, noise
+        self.cost, self.kappa = port.cost(weights)
+        self.cross = 1 / port.admittance.conj() + 2 * self.kappa
+        self.g = port.wanted(weights, noise, forecast)
+        self.tail = Tail(port, self.g)
+        none, size = np.zeros_like(self.kappa), np.abs(port.admittance) ** 2
+        at, still = 1 / port.omega**2, none.astype(complex)
+        self.by_force = self._change(still, none + 1, still, none, none, none)
+        self.by_stroke = self._change(still, at * size, (2 * at).astype(complex), at, none, none)
+
+    def _change(self, log: ComplexArray, cost: FloatArray, cross: ComplexArray, *others: FloatArray) -> _Change:
+        """A change, with what follows from those of |W|^2 and of 1/conj(Y) + 2 kappa."""
+        of_cost = np.conj(self.port.causal_part(0.5 * cost / self.cost))
+        return _Change(log + cross / self.cross - of_cost, cost, cross, *others)
+
+    def by_port(self, admittance: ComplexArray, spectrum: FloatArray) -> _Change:
+        """Return the change by those of admittance and density."""
+        port, y, s_e = self.port, self.port.admittance, self.port.excitation
+        share = np.divide(spectrum, port.spectrum, out=np.zeros_like(spectrum), where=port.spectrum > 0)
+        excitation, peak = s_e * (share - 2 * np.real(admittance / y)), int(s_e.argmax())
+        density = (excitation + self.noise * excitation[peak]) / (s_e + self.noise * s_e[peak])
+        size = 2 * np.real(y.conj() * admittance)
+        log, cost = share - np.conj(port.causal_part(0.5 * density)), admittance.real + self.kappa * size
+        return self._change(log, cost, -np.conj(admittance / y**2), np.zeros_like(size), size, spectrum)
+
+    def first(self, change: _Change) -> float:
+        """Return the derivative of the objective by a change of the port."""
+        paid = self.port.integral(self.kappa * change.spectrum)
+        return 2 * self.tail.square(Tail(self.port, self.g * change.log)) - paid
+
+    def second(self, weight: _Change, other: _Change) -> float:
+        """Return the second derivative by a weight and another change."""
+        of_cost = weight.kappa * other.size / self.cost - weight.cost * other.cost / self.cost**2
+        bend = -weight.cross * other.cross / self.cross**2 - np.conj(self.port.causal_part(0.5 * of_cost))
+        one, two, both = (
+            Tail(self.port, self.g * log) for log in (weight.log, other.log, weight.log * other.log + bend)
+        )
+        paid = self.port.integral(weight.kappa * other.spectrum)
+        return 2 * (one.square(two) + self.tail.square(both)) - paid

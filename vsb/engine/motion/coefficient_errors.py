@@ -8,7 +8,7 @@ P does not change to first order with Z_l (envelope theorem): the same expressio
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,9 +18,8 @@ from scipy.ndimage import maximum_filter1d
 from vsb.engine.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.engine.hydro.orders import order_groups
 from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, RESOLUTION
-from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.linear import LinearSystem
-from vsb.engine.motion.port import Port
+from vsb.engine.motion.port import Port, Ports
 from vsb.engine.waves.water import haskind_factor
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
@@ -132,72 +131,45 @@ def _of_entries(
 
 
 def sensitivity(
-    omega: FloatArray,
-    moved: tuple[ComplexArray, ComplexArray],
-    port: Port,
-    load: ComplexArray,
-    squares: FloatArray,
+    moved: tuple[ComplexArray, ComplexArray], seen: Port | Ports, load: Any, squares: FloatArray
 ) -> Sensitivity:
     """Return the derivatives of the logarithm of the power of a sea.
 
     Parameters
     ----------
-    omega : ndarray, shape (omega,) [rad/s]
-    moved : tuple of ndarray, each shape (omega, dof)
-        Motions free of the take-off and under its unit force, of
+    moved : tuple of ndarray, shapes (omega, dof), and (omega, dof) or (omega, dof, port)
+        Motions free of the take-off and under its unit forces, of
         `vsb.engine.motion.frequency.LinearEquation.free_motion`.
-    port : Port
+    seen : Port or Ports
         At these frequencies, as the load sees it.
-    load : ndarray, shape (omega,) [N s/m]
-        Z_l.
+    load : ndarray, shape (omega,) [N s/m] or (port, port)
+        Impedance Z of damper and spring at one port, or a real damper matrix C at several.
     squares : ndarray, shape (omega,) [m^2]
         Squared amplitudes of the sea.
 
     Notes
     -----
-    By Sherman and Morrison from the motions without take-off: lambda = forced/(1 + Y Z_l), q = free - Z_l V forced with
-    V = V0/(1 + Y Z_l); a chamber between port and take-off is part of Y.
+    dP = sum a^2 Re((Re Z V)^H dV), dV = -i w l^T (dX - dD q), by Sherman and Morrison from the motions without
+    take-off: l = forced (1 + Z Y)^-1, q = free - forced Z V, V = (1 + Y Z)^-1 V0. A chamber between port and take-off
+    is part of Y. An optimal C does not change P to first order (envelope).
     """
-    free, forced = moved
-    velocity = port.velocity_under(load)
-    response = free - (load * velocity)[:, None] * forced
-    adjoint = forced / (1 + port.admittance * load)[:, None]
-    power = float(np.sum(0.5 * squares * load.real * np.abs(velocity) ** 2))
+    omega, (free, forced) = seen.omega, moved
+    velocity = seen.velocity_under(load)
+    one = velocity.ndim == 1  # a 1 x 1 matrix is divided by, which is quicker than to solve
+    force = load * velocity if one else velocity @ load
+    resistive = load.real * velocity if one else force
+    power = 0.5 * float(squares @ np.real(resistive.conj() * velocity).reshape(len(omega), -1).sum(axis=1))
     if not power > 0:
         return Sensitivity(omega, np.zeros_like(free), ())
-    weight = squares * load.real * velocity.conj() * (-1j * omega) / power
-    towards = weight[:, None] * adjoint
+    weight = ((-1j * omega * squares / power) * resistive.conj().T).T
+    if one:
+        response = free - force[:, None] * forced
+        towards = (weight / (1 + seen.admittance * load))[:, None] * forced
+    else:
+        response = free - (forced @ force[..., None])[..., 0]
+        beside = np.linalg.solve(np.eye(len(load)) + load @ seen.admittance, weight[..., None])
+        towards = (forced @ beside)[..., 0]
     return Sensitivity(omega, towards, ((towards, response),))
-
-
-def sensitivity_at_ports(
-    moved: tuple[ComplexArray, ComplexArray], ports: Ports, damping: FloatArray, squares: FloatArray
-) -> Sensitivity:
-    """Return the same of a damper matrix C at several ports.
-
-    Parameters
-    ----------
-    moved : tuple of ndarray, shapes (omega, dof) and (omega, dof, port)
-        Of `vsb.engine.motion.frequency.LinearEquation.motion_of_ports`.
-    ports : Ports
-    damping : ndarray, shape (port, port)
-    squares : ndarray, shape (omega,) [m^2]
-
-    Notes
-    -----
-    dP = sum a^2 Re((C V)^H dV), dV = -i w lambda^T (dX - dD q), lambda = forced (1 + C Y)^-1. An optimal C does not
-    change P to first order (envelope).
-    """
-    free, forced = moved
-    force = ports.velocity_under(damping) @ damping
-    power = float(squares @ ports.power(damping))
-    if not power > 0:
-        return Sensitivity(ports.omega, np.zeros_like(free), ())
-    response = free - (forced @ force[..., None])[..., 0]
-    weight = (-1j * ports.omega * squares / power)[:, None] * force.conj()
-    beside = np.linalg.solve(np.eye(len(damping)) + damping @ ports.admittance, weight[..., None])
-    towards = (forced @ beside)[..., 0]
-    return Sensitivity(ports.omega, towards, ((towards, response),))
 
 
 def sensitivity_of_forces(
@@ -213,8 +185,8 @@ def sensitivity_of_forces(
     Parameters
     ----------
     omega : ndarray, shape (omega,) [rad/s]
-    moved : tuple of ndarray, each shape (omega, dof)
-        See `sensitivity`; of several ports `sensitivity_at_ports`.
+    moved : tuple of ndarray
+        See `sensitivity`.
     waves, forces : ndarray, shapes (sea, omega) [m], (sea, omega) or (sea, omega, port) [N]
         Complex amplitudes; of each sea the force of the port on the take-off.
     power : float

@@ -8,8 +8,7 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from vsb.engine.hydro.database import Coefficients
-from vsb.engine.motion.damper_matrix import Ports
-from vsb.engine.motion.port import ROUND_OFF, Port
+from vsb.engine.motion.port import ROUND_OFF, Port, Ports
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 UNRESTRAINED = 1e-6
@@ -59,50 +58,40 @@ class LinearEquation:
         ----------
         motions : ndarray, shape (dof, free)
             The motions the design allows.
-        direction : ndarray, shape (dof,)
-            b: the take-off moves with b.q.
+        direction : ndarray, shape (dof,) or (dof, port)
+            b: the take-off moves with b.q; B of several ports.
 
         Returns
         -------
-        free, forced : ndarray, each shape (omega, dof)
+        free, forced : ndarray, shapes (omega, dof), and (omega, dof) or (omega, dof, port)
             A take-off's force F against the motion leaves free - F forced.
         """
-        load = np.broadcast_to(allowed_part(direction, motions), (len(self.omega), motions.shape[1]))
-        loads = np.stack([self.water.excitation @ motions, load], axis=-1)
-        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
-        return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+        allowed = allowed_part(direction, motions)
+        loads = np.empty((len(self.omega), len(allowed), 1 + allowed[0].size), dtype=complex)
+        loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed.reshape(len(allowed), -1)
+        solved = motions @ np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        free, forced = np.ascontiguousarray(solved[..., 0]), np.ascontiguousarray(solved[..., 1:])
+        return free, forced.reshape(*free.shape, *direction.shape[1:])
 
     def port(self, motions: FloatArray, direction: FloatArray) -> Port:
-        """Return the port of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; parameters as `free_motion`.
-
-        A chamber is in series with it.
-        """
+        """Return the port of a design, see `port_of_motion`; parameters as `free_motion`."""
         return self.port_of_motion(*self.free_motion(motions, direction), motions, direction)
 
-    def motion_of_ports(self, motions: FloatArray, directions: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return displacements without take-off (omega, dof) [m/m], and under unit forces of ports (omega, dof, port).
-
-        Parameters
-        ----------
-        motions : ndarray, shape (dof, free)
-        directions : ndarray, shape (dof, port)
-            B.
-        """
-        allowed = _allowed_parts(directions, motions)
-        loads = np.empty((len(self.omega), motions.shape[1], 1 + allowed.shape[1]), dtype=complex)
-        loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed
-        solved = motions @ np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
-        return solved[..., 0], solved[..., 1:]
-
     def ports(self, motions: FloatArray, directions: FloatArray) -> Ports:
-        """Return several ports of a design at once, V0 = -i w B^T q_free and Y = -i w B^T q_forced.
+        """Return several ports of a design at once, see `ports_of_motion`; parameters as `free_motion`."""
+        return self.ports_of_motion(*self.free_motion(motions, directions), motions, directions)
 
-        Parameters as `motion_of_ports`.
+    def ports_of_motion(
+        self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, directions: FloatArray
+    ) -> Ports:
+        """Return V0 = -i w B^T q_free and Y = -i w B^T q_forced from the motions of `free_motion`.
+
+        Re Y is what unit forces lose, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to 1e-13,
+        the real part of B^T q is round-off.
         """
-        free, forced = self.motion_of_ports(motions, directions)
-        along, rate = motions @ _allowed_parts(directions, motions), -1j * self.omega[:, None]
-        lossy = self.water.damping + self.damping
-        loss = sum(part.swapaxes(1, 2) @ lossy @ part for part in (forced.real, forced.imag))
+        along, rate = motions @ allowed_part(directions, motions), -1j * self.omega[:, None]
+        parts = np.stack([forced.real, forced.imag])
+        loss = (parts.swapaxes(2, 3) @ ((self.water.damping + self.damping) @ parts)).sum(axis=0)
         reactive = (rate[..., None] * (along.T @ forced)).imag
         admittance = self.omega[:, None, None] ** 2 * loss + 1j * (reactive + reactive.swapaxes(1, 2)) / 2
         return Ports(self.omega, admittance, rate * (free @ along))
@@ -110,18 +99,10 @@ class LinearEquation:
     def port_of_motion(
         self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, direction: FloatArray
     ) -> Port:
-        """Return `port` from the motions of `free_motion`.
-
-        Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to
-        1e-13, the real part of b.q is round-off.
-        """
-        allowed, rate = allowed_part(direction, motions), -1j * self.omega
-        along = motions @ allowed
-        parts = np.stack([forced.real, forced.imag], axis=-1)
-        loss = self.omega**2 * (parts * ((self.water.damping + self.damping) @ parts)).sum(axis=(1, 2))
-        yields = compliance(motions.T @ self.stiffness @ motions, allowed)
-        port = Port(self.omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
-        return port.behind(self.chamber)
+        """Return one port from the motions of `free_motion`: the 1 x 1 case, with a chamber in series with it."""
+        one = self.ports_of_motion(free, forced[..., None], motions, direction[:, None])
+        yields = compliance(motions.T @ self.stiffness @ motions, allowed_part(direction, motions))
+        return Port(self.omega, one.admittance[:, 0, 0], one.velocity[:, 0], yields).behind(self.chamber)
 
 
 def compliance(stiffness: FloatArray, force: FloatArray) -> float:
@@ -141,14 +122,9 @@ def compliance(stiffness: FloatArray, force: FloatArray) -> float:
 
 
 def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:
-    """Return a port's direction in the motions of a design, N^T b, shape (free,): zero where only round-off is left."""
+    """Return N^T b of a port in the motions of a design, (free,) or (free, port): zero where only round-off is left."""
     part = motions.T @ direction
-    return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction), part, 0.0)
-
-
-def _allowed_parts(directions: FloatArray, motions: FloatArray) -> FloatArray:
-    """The same of several ports, shape (free, port)."""
-    return np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
+    return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction, axis=0), part, 0.0)
 
 
 SAME = 1e-9

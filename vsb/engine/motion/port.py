@@ -1,4 +1,4 @@
-"""The port: a buoy as its take-off sees it, with all other motions eliminated; and the linear take-off.
+"""The port: a buoy as its take-off sees it, with all other motions eliminated, one or several; the linear take-off.
 
 The take-off acts on one combination b of the degrees of freedom, with a force F against its velocity V = b.q'. Per
 frequency and unit wave amplitude V = V0 - Y F, with a free velocity V0 and an admittance Y (Thevenin's equivalent).
@@ -33,6 +33,8 @@ from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _ROUND_OFF = 1e-6
 """Error of Re Y relative to |Y| where a port hardly radiates."""
+RADIATES_NOTHING = 1e-9
+"""Share of the largest loss of several ports at a frequency below which a combination of them radiates nothing [-]."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,11 @@ class Port:
         """Return V under a load, V0/(1 + Y Z_load) per wave amplitude, shape (..., omega) [1/s]."""
         return np.asarray(self.velocity / (1 + self.admittance * load))
 
+    def force(self, damping: FloatArray | float, stiffness: float = 0.0) -> ComplexArray:
+        """Return the force of dampers beside a spring per wave amplitude, shape (..., omega) [N/m]."""
+        load = self.load(damping, stiffness)
+        return np.asarray(load * self.velocity_under(load))
+
     def power(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> FloatArray:
         """Return the mean power of a damper beside a spring, c |V|^2/2 per squared amplitude, (..., omega) [W/m^2].
 
@@ -189,20 +196,122 @@ class Port:
 
 
 @dataclass(frozen=True)
-class PortMotion:
-    """Displacements of the buoy and of points of its shell per motion of a port, over its frequencies.
+class Ports:
+    """Thevenin's equivalent of one design at several ports, over frequency; units are those of each port's kind.
 
-    A take-off's force F against the motion of the port leaves free - F forced.
+    The take-off acts on p combinations B of the degrees of freedom with forces F = C V against their velocities
+    V = B^T q', and V = V0 - Y F with Y (p, p) symmetric. `Port` is the case p = 1, whose optima have closed forms.
     """
 
-    heave: tuple[ComplexArray, ComplexArray]  # free, forced (omega,) [-], [m/N]
-    shell: tuple[ComplexArray, ComplexArray]  # both directions of points of a meridian (2, point, omega)
+    omega: FloatArray  # (omega,) [rad/s]
+    admittance: ComplexArray  # Y (omega, port, port) [m/(N s)]
+    velocity: ComplexArray  # V0 per wave amplitude (omega, port) [1/s]
 
-    def with_load(self, port: Port, load: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return heave (..., omega) and shell (..., 2, point, omega) per wave amplitude under loads (..., omega)."""
-        force = load * port.velocity_under(load)
-        heave = self.heave[0] - force * self.heave[1]
-        return heave, self.shell[0] - force[..., None, None, :] * self.shell[1]
+    @property
+    def moves(self) -> bool:
+        """Whether waves move any of the ports."""
+        return bool(self.velocity.any())
+
+    @cached_property
+    def size(self) -> FloatArray:
+        """Mean modulus of each port's own admittance, shape (port,): what makes the ports comparable."""
+        own = np.abs(np.einsum("wii->wi", self.admittance))
+        return np.asarray(np.exp(np.log(np.where(own > 0, own, 1.0)).mean(axis=0)))
+
+    @cached_property
+    def impedance(self) -> ComplexArray:
+        """Z = Y^-1, shape (omega, port, port); 0 of ports that cannot move."""
+        scale = np.sqrt(np.outer(self.size, self.size))
+        return np.asarray(np.linalg.pinv(self.admittance / scale, rcond=1e-13) / scale)
+
+    @cached_property
+    def matched_power(self) -> FloatArray:
+        """Mean power under the optimal forces, V0^H (Re Y)^-1 V0/8 per squared amplitude, shape (omega,) [W/m^2].
+
+        Where ports radiate through fewer channels than there are ports and lose nothing else, Re Y is singular, and V0
+        in its range.
+        """
+        scale = np.sqrt(np.outer(self.size, self.size))
+        loss, free = (self.admittance / scale).real, self.velocity / np.sqrt(self.size)
+        values, vectors = np.linalg.eigh(loss)
+        along = np.abs(np.einsum("wij,wi->wj", vectors, free)) ** 2
+        kept = values > RADIATES_NOTHING * np.abs(values).max(axis=1, keepdims=True)
+        return np.asarray(np.divide(along, 8 * values, out=np.zeros_like(along), where=kept).sum(axis=1))
+
+    def velocity_under(self, damping: FloatArray) -> ComplexArray:
+        """Return V = (1 + Y C)^-1 V0 under damper matrices (..., port, port), shape (..., omega, port) [1/s]."""
+        loaded = np.eye(damping.shape[-1]) + self.admittance @ damping[..., None, :, :]
+        return np.asarray(np.linalg.solve(loaded, self.velocity[..., None])[..., 0])
+
+    def force(self, damping: FloatArray, stiffness: float = 0.0) -> ComplexArray:
+        """Return the forces C V of damper matrices per wave amplitude, shape (..., omega, port); there is no spring."""
+        return np.asarray(self.velocity_under(damping) @ damping)
+
+    def power(self, damping: FloatArray) -> FloatArray:
+        """Return the mean power V^H C V/2 of damper matrices per squared amplitude, shape (..., omega) [W/m^2]."""
+        velocity = self.velocity_under(damping)
+        return np.asarray(0.5 * np.real((velocity.conj() * (velocity @ damping)).sum(axis=-1)))
+
+    def load(self, damping: FloatArray, stiffness: float = 0.0) -> FloatArray:
+        """Return the impedance of a damper matrix, itself: several ports have no spring."""
+        return damping
+
+    def beside(self, stiffness: float) -> "Ports":
+        """Return the same: several ports have no spring."""
+        return self
+
+    def power_and_slope(self, damping: FloatArray, squares: FloatArray, price: float = 0.0) -> tuple[float, FloatArray]:
+        """Return the mean power in a sea [W] and its derivative by the entries of a symmetric damper matrix.
+
+        Parameters
+        ----------
+        damping : ndarray, shape (port, port)
+        squares : ndarray, shape (omega,)
+            Squared amplitudes of the sea [m^2].
+        price : float [m/(N s)]
+            Less this times the mean square of all forces.
+        """
+        velocity = self.velocity_under(damping)
+        force = velocity @ damping
+        beyond = velocity - np.einsum("wji,wj->wi", self.admittance.conj(), force) - 2 * price * force
+        loaded = np.eye(len(damping)) + self.admittance.conj().swapaxes(1, 2) @ damping
+        adjoint = np.linalg.solve(loaded, beyond[..., None])[..., 0]
+        paid = velocity - price * force
+        power = 0.5 * float(squares @ np.real(np.einsum("wi,wi->w", paid.conj(), force)))
+        slope = 0.5 * np.real(np.einsum("w,wi,wj->ij", squares, adjoint.conj(), velocity))
+        return power, (slope + slope.T) / 2
+
+    def force_rms(self, damping: FloatArray, squares: FloatArray) -> FloatArray:
+        """Return the root mean square of each port's force in a sea under a damper matrix, shape (port,)."""
+        return np.asarray(np.sqrt(0.5 * squares @ np.abs(self.force(damping)) ** 2))
+
+    def at(self, chosen: FloatArray) -> "Ports":
+        """Return the ports at some of their frequencies, by index or mask."""
+        return Ports(self.omega[chosen], self.admittance[chosen], self.velocity[chosen])
+
+
+@dataclass(frozen=True)
+class PortMotion:
+    """Displacements of the buoy and of points of its shell in waves, and per force at its port, or at each of several.
+
+    Forces F against the motion of the ports leave free - F forced.
+    """
+
+    heave: tuple[ComplexArray, ComplexArray]  # free (omega,) [-], forced (omega,) or (omega, port) [m/N]
+    shell: tuple[ComplexArray, ComplexArray]  # of a meridian, free (2, point, omega), forced also (..., port)
+
+    def under(self, force: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return heave (..., omega) and shell (..., 2, point, omega) per wave amplitude [-].
+
+        Parameters
+        ----------
+        force : ndarray, shape (..., omega) or, of several ports, (..., omega, port) [N/m]
+        """
+        (heave, of_heave), (shell, of_shell) = self.heave, self.shell
+        if of_heave.ndim == 1:  # one product for each frequency
+            return heave - force * of_heave, shell - force[..., None, None, :] * of_shell
+        moved = np.einsum("...wp,wp->...w", force, of_heave), np.einsum("...wp,xnwp->...xnw", force, of_shell)
+        return heave - moved[0], shell - moved[1]
 
 
 ROUND_OFF = 1e-12

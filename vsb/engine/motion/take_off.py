@@ -407,16 +407,19 @@ class Pto(Brief):
         return bool(self.stiffness) and self.efficiency < 1.0
 
     @property
+    def single_ports(self) -> tuple[Any, ...]:
+        """Its ports one by one: that of one port alone."""
+        return tuple(self.port.ports.values()) if isinstance(self.port, SeveralPorts) else (self.port,)
+
+    @property
     def on_shell(self) -> bool:
         """Whether a port of it is at points of the shell, or moves with its strain."""
-        ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else [self.port]
-        return any(isinstance(port, ShellPort | BetweenPort | StrainPort) for port in ports)
+        return any(isinstance(port, _AXISYMMETRIC) for port in self.single_ports)
 
     @property
     def moved_by_heave(self) -> bool:
         """Whether the heave of a rigid buoy moves its port, or one of several."""
-        ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else [self.port]
-        return self.held is None and any(_moved_by_heave(port) for port in ports)
+        return self.held is None and any(_moved_by_heave(port) for port in self.single_ports)
 
     @property
     def several(self) -> bool:
@@ -522,10 +525,9 @@ class Pto(Brief):
 
     @model_validator(mode="after")
     def _of_strain(self) -> Self:
-        if self.energy_per_cycle is not None:
-            ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else (self.port,)
-            if not all(isinstance(port, StrainPort | DistributedPort) for port in ports):
-                raise ValueError("energy_per_cycle: is of a material that is strained; needs ports of strain alone")
+        strained = all(isinstance(port, StrainPort | DistributedPort) for port in self.single_ports)
+        if self.energy_per_cycle is not None and not strained:
+            raise ValueError("energy_per_cycle: is of a material that is strained; needs ports of strain alone")
         return self
 
     @model_validator(mode="after")

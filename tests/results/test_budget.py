@@ -14,12 +14,11 @@ from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
-from vsb.models.floating_system import floating_system, port_in_seas
+from vsb.models.floating_system import BuoyOfShape, floating_system, port_in_seas
 from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled
-from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
-from vsb.results.left_out import left_out_of_year, modes_left_out
+from vsb.results.budget import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
 from vsb.stages.make import make
 from vsb.stages.members import swept_shape
@@ -74,7 +73,7 @@ def converged(vented):
 
 @pytest.mark.parametrize("degree", [6, 40])
 def test_gains_of_the_full_basis_agree_with_independent_multipoles(vented, converged, degree):
-    """Of the free shell; those of clamped ones are in `tests/models/test_ring_loads.py`."""
+    """Of the free shell; those of clamped ones are in `tests/models/test_rest.py`."""
     found = gains(converged.powers(Modes(basis="full", degree=degree)), vented)
     assert found["VSWEC"] == pytest.approx(MULTIPOLES[degree], abs=0.1)
 

@@ -1,4 +1,4 @@
-"""Ports of designs from coefficients of their shape: closed forms of water that acts on one ring."""
+"""A buoy from the coefficients of its shape: closed forms of water that acts on one ring."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from vsb.engine.hydro.database import Coefficients
 from vsb.engine.hydro.dofs import displacements
 from vsb.engine.motion.port import port_direction
 from vsb.engine.shell.orders import semi_normalisation, semi_normalised
-from vsb.models.ports import ShapeWater, buoy_at, shell_shapes
+from vsb.models.floating_system import ShapeWater, buoy_at, shell_shapes
 from vsb.models.rest import design_motions, order_bases, reference_shell
 from vsb.study.resolution import HydroPlan
 
@@ -60,14 +60,19 @@ def test_rigid_design_is_a_mass_on_two_springs(study, spring):
     assert port.compliance == pytest.approx(1 / (waterplane + spring), rel=1e-9)
 
 
+def moved_under(waves, damping, stiffness=0.0):
+    """All degrees of freedom per wave amplitude under a damper and a spring."""
+    return waves.moved[0] - waves.port.force(damping, stiffness)[:, None] * waves.moved[1]
+
+
 def test_motion_under_a_damper_matches_the_port(study):
     waves = buoy_at(study, reference_shell(study), water(study)).in_waves()
     for one in waves.values():
-        velocity = -1j * OMEGA * one.position(8e3, 2e4)[:, 0]
+        velocity = -1j * OMEGA * moved_under(one, 8e3, 2e4)[:, 0]
         load = one.port.load(8e3, 2e4)
         np.testing.assert_allclose(velocity, one.port.velocity_under(load), rtol=1e-9)
-        heave, _ = one.motion.with_load(one.port, load)
-        np.testing.assert_allclose(one.position(8e3, 2e4)[:, 0], heave, rtol=1e-12)
+        heave, _ = one.motion.under(load * one.port.velocity_under(load))
+        np.testing.assert_allclose(moved_under(one, 8e3, 2e4)[:, 0], heave, rtol=1e-12)
 
 
 def test_gas_chamber_with_a_shut_and_an_open_turbine(study):
@@ -84,7 +89,7 @@ def test_gas_chamber_with_a_shut_and_an_open_turbine(study):
         waves[name] = buoy_at(own, reference_shell(own), water(own)).in_waves()
     for design in ("VSWEC", "VSWEC90"):
         opened, held, vented = (waves[name][design] for name in ("volume", "heave", "vented"))
-        for moved, expected in ((opened.position(1e15, 0.0), held), (opened.position(0.0, 0.0), vented)):
+        for moved, expected in ((moved_under(opened, 1e15), held), (moved_under(opened, 0.0), vented)):
             np.testing.assert_allclose(moved, expected.moved[0], rtol=1e-6, atol=1e-8 * np.abs(expected.moved[0]).max())
         assert np.abs(held.moved[0] / vented.moved[0] - 1).max() > 0.01
         loose = reference_shell(varied(study, **changes["vented"]))
@@ -155,9 +160,9 @@ def test_line_port_of_all_orders_solves_the_equation_of_motion(seed, design):
     assert np.linalg.norm(np.real(driven) / found.port.admittance.real - 1, np.inf) < 1e-7
     under = b @ free @ np.linalg.solve(free.T @ stiffness @ free, free.T @ b)
     assert found.port.compliance == pytest.approx(under, rel=1e-9)
-    together = found.position(8e3, SPRING)
+    together = moved_under(found, 8e3, SPRING)
     np.testing.assert_allclose(together, moved, rtol=1e-8, atol=1e-9 * np.abs(moved).max())
-    heave, shell = found.motion.with_load(found.port, found.port.load(8e3, SPRING))
+    heave, shell = found.motion.under(found.port.force(8e3, SPRING))
     np.testing.assert_allclose(heave, together[:, 0], rtol=1e-10)
     expected = np.einsum("wi,iab->abw", together[:, 1:], shell_shapes(basis, families)[1:])
     np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())
