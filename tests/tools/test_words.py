@@ -34,9 +34,9 @@ def test_powers_that_are_compared_have_one_unit():
 def test_an_interval_that_no_digit_shows_is_exact_to_them():
     """Not "4601.6 (4601.6 to 4601.6) W", as of an optimum whose errors are below its last digit."""
     assert watts_within([(4601.58, 4601.579, 4601.581), (4390.2, 4389.7, 4390.6)])[0] == [
-        "4601.6 (exact to all digits)", "4390.2 (4389.7 to 4390.6)",
+        "4601.6 (within its last digit)", "4390.2 (4389.7 to 4390.6)",
     ]  # fmt: skip
-    assert gains_within([(4.07, 4.07, 4.07)]) == ["+4.07 % (exact to all digits)"]
+    assert gains_within([(4.07, 4.07, 4.07)]) == ["+4.07 % (within its last digit)"]
     assert gains_within([(4.07, 4.06, 4.07)]) == ["+4.070 % (+4.060 to +4.070 %)"]
 
 

@@ -121,14 +121,14 @@ def watts_within(values: Sequence[tuple[float, float, float]]) -> tuple[list[str
 
 
 def within_text(value: str, low: str, high: str, unit: str = "") -> str:
-    """Return a printed value with its interval; one that its digits do not show is exact to them.
+    """Return a printed value with its interval, or in words one that its digits do not show.
 
     Examples
     --------
     >>> within_text("18.72", "18.71", "18.73"), within_text("4601.6", "4601.6", "4601.6")
-    ('18.72 (18.71 to 18.73)', '4601.6 (exact to all digits)')
+    ('18.72 (18.71 to 18.73)', '4601.6 (within its last digit)')
     """
-    return f"{value}{unit} ({'exact to all digits' if low == value == high else f'{low} to {high}{unit}'})"
+    return f"{value}{unit} ({'within its last digit' if low == value == high else f'{low} to {high}{unit}'})"
 
 
 def watts_and_ends(values: Sequence[tuple[float, float, float]]) -> tuple[list[list[str]], str]:
