@@ -461,7 +461,7 @@ class KinkModes(AttachmentModes):
         count = self._finest + 1
         balanced = np.delete(np.arange(len(mass)), count)  # all but meridional degree 1, which heave stands for
         few = np.r_[0 : self.degree + 1, count + 1 : count + self.degree]
-        found = np.zeros((len(mass), len(self.loads)), rows.dtype)
+        found = np.zeros((len(mass), len(self.loads)), np.result_type(rows, elastic, *self.tension))
         for force in dict.fromkeys(self.tension):
             own = np.equal(self.tension, force)
             stiffness = elastic + (force if force.real > 0 else 0.0) * stretched
