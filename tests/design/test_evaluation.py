@@ -1,6 +1,7 @@
 """Derivatives of a design against differences, scaling laws and limits that are known in closed form."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from tests.design.conftest import study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements, linearised
-from vsb.design.optimise import left_out
+from vsb.design.optimise import Optimum, left_out
+from vsb.design.problem import spread
 from vsb.design.resting import RestingBuoy
+from vsb.design.searched import judged_at_rest
 from vsb.design.take_offs import SeveralYear
 from vsb.design.year import FrequencyGrid, YearMotion
 from vsb.engine.hydro.database import Coefficients, with_excitation
@@ -21,6 +24,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.floating_system import ShapeWater, buoy_at
 from vsb.models.rest import loaded_at_ring, reference_shell, stiffness_about
+from vsb.study.campaign import sections
 from vsb.study.design import PARTS, Fatigue
 from vsb.study.resolution import expected_change
 from vsb.study.sections import Modes
@@ -120,6 +124,8 @@ def differences(model, variable, part):
         ("VSWEC", PORT | {"pto": {"port": {"strain": "area", "belt": [60, 120]}}}, "pto.port.belt.0"),
         ("VSWEC90", SPHEROID | {"pto": {"port": {"strain": "meridional", "belt": [30, 120]}}}, "pto.port.belt.1"),
         ("VSWEC", CAPSULE | {"pto": {"port": BELT}}, "pto.port.belt.1"),
+        ("VSWEC", INFLATED | {"pto": {"port": BELT}}, "device.internal_pressure"),
+        ("VSWEC", CAPSULE | {"pto": {"port": BELT}}, "device.young_modulus"),
         ("VSWEC", SPHEROID | {"pto": {"port": {"between": [40, 150]}}}, "pto.port.between.0"),
         ("VSWEC", PORT | {"pto": {"ports": {"b": BELT, "v": "volume"}}}, "pto.port.ports.b.belt.0"),
         ("FSB", SERIES, "device.shape.series.radial.2"),
@@ -140,6 +146,28 @@ def test_derivatives_are_those_of_differences(climate, design, changes, key):
     for name, quantity in found.items():
         error = (quantity.gradient[0] - expected[name]) * scale
         assert abs(error) <= tolerance * max(abs(quantity.value), 0.1 * abs(quantity.gradient[0] * scale)), name
+
+
+def test_a_rest_sought_from_a_close_one_is_that_of_the_growing_load(climate):
+    """Of a shell that buckles on the way Newton's method finds another rest 3 cm off, which a study is refused."""
+    rests, buckled = (study_of(device={"internal_pressure": pressure}) for pressure in (8.5e3, 8.0e3))
+    near = RestingBuoy.of(rests, 6).modal_amplitude
+    with pytest.raises(ConvergenceError, match="buckles at"):
+        RestingBuoy.of(buckled, 6, near=near)
+    model = model_of(study_of(), "VSWEC", climate, ["device.radius"])
+    scatter = spread(model, study_of(device={"mass": 1.6e4}), None, {"draft": 3.0}, {"device.thickness": 0.1})
+    assert scatter.shape == (1, 1)
+    assert not model.rests  # those of a study of another mass are not its own
+
+
+def test_an_optimum_whose_load_cannot_grow_is_not_accepted(climate):
+    """Its study would be refused, however it was reached."""
+    search = SimpleNamespace(base=sections(study_of()), variables=(SimpleNamespace(key="device.internal_pressure"),))
+    for pressure, accepted in ((16.5e3, True), (8.0e3, False)):
+        point = SimpleNamespace(values=np.array([pressure]))
+        end = judged_at_rest(search, Optimum(point, 1.0, {}, 0.0, 0.0, (), (), True, "", 9), 6)
+        assert end.accepted is accepted
+        assert accepted or "buckles at" in end.message
 
 
 def test_what_waves_do_not_matter_for_scales_by_froude(climate):

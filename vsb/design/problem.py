@@ -247,7 +247,8 @@ def spread(
     keys = [key for key in shares if depends(study, key)]
     if damping is not None:
         study = study.model_copy(update={"pto": study.pto.model_copy(update={"damping": damping, "tuning": "fixed"})})
-    built = replace(model, study=study, variables=tuple(keys) if damping is None else (*keys, DAMPER))
+    varied = tuple(keys) if damping is None else (*keys, DAMPER)
+    built = replace(model, study=study, variables=varied, rests={})  # those known are of other studies
     terms = excesses(built.at(built.point), limits)
     sizes = np.array([shares[key] * value for key, value in zip(keys, built.point, strict=False)])
     return np.array([one.gradient[: len(keys)] * sizes for one in terms]).reshape(len(terms), len(keys))

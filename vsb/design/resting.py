@@ -42,6 +42,9 @@ OF_MATERIAL = ("material.mu", "material.c1", "material.c2", "material.jm")
 """Those of laws of rubber."""
 OF_DAMPING = ("damping.alpha", "damping.beta")
 """Those of structural damping."""
+CLOSE = 1e-3
+"""Distance between the rest that a close buoy foretells and that found, over the radius, beyond which the load is made
+to grow from nothing: a shell past its buckling may come to rest elsewhere [-]."""
 HEIGHT, LENGTH = "shape.spheroid.height", "shape.capsule.length"
 OF_SHAPE, SERIES = ("radius", HEIGHT, LENGTH), "shape.series."
 """Those that a meridian other than the sphere's depends on, and how those of terms of one begin."""
@@ -81,7 +84,8 @@ class RestingBuoy:
         loaded = loaded_shell(study, replace(basis, alpha=device.damping.alpha, beta=device.damping.beta))
         at_rest: FloatArray = np.zeros(len(basis.labels))
         if study.at_equilibrium:
-            at_rest = equilibrium(loaded) if near is None else equilibrium_near(loaded, near)
+            within = CLOSE * device.radius
+            at_rest = equilibrium(loaded) if near is None else equilibrium_near(loaded, near, within)
         answered = design and study.designs[design].flexible and loaded_at_ring(study, design)
         return cls(study, loaded, at_rest, ring_loads(study) if answered else ())
 

@@ -14,7 +14,7 @@ from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, SPRING, AtRest, DesignModel
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem, spread
-from vsb.design.resting import with_values
+from vsb.design.resting import RestingBuoy, with_values
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
@@ -137,7 +137,24 @@ def from_start(
     tried, expected = places(of(degrees[0]), seed, start), partial(expected_of, search)
     if begin:
         tried.insert(0, of(degrees[0]).place(list(begin.values)))
-    return converged(of, degrees, search.tolerance, tried, seen, expected, uncertain_margins(search))
+    found = converged(of, degrees, search.tolerance, tried, seen, expected, uncertain_margins(search))
+    return replace(found, optimum=judged_at_rest(search, found.optimum, found.degree))
+
+
+def judged_at_rest(search: Search, end: Optimum, degree: int | None) -> Optimum:
+    """Return an optimum, not accepted if its shell does not carry the load as that grows: its study would be refused.
+
+    The search seeks the rest of a buoy from that of a close one.
+    """
+    if not end.accepted:
+        return end
+    keys = [one.key for one in search.variables]
+    try:
+        study = study_of(search, degree, dict(zip(keys, map(float, end.point.values), strict=True)))
+        RestingBuoy.of(study, degree or 1)
+    except IMPOSSIBLE as error:
+        return replace(end, accepted=False, message=str(error))
+    return end
 
 
 def finer_of(search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None) -> Finer:

@@ -442,13 +442,17 @@ def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> Float
     return path.amplitudes
 
 
-def equilibrium_near(loaded: LoadedShell, near: FloatArray) -> FloatArray:
+def equilibrium_near(loaded: LoadedShell, near: FloatArray, within: float = math.inf) -> FloatArray:
     """Return the static equilibrium near amplitudes (dof,) [m], else that of `equilibrium`, shape (dof,) [m].
 
-    Of a shell whose growing load was followed with other modes. Raises `ConvergenceError` as `equilibrium` does.
+    Of a shell whose growing load was followed with other modes, or of one that is close to it: of such a one the
+    equilibrium that Newton's method finds may be that of a shell that has buckled on its way, unless it lies `within` a
+    small distance [m]. Raises `ConvergenceError` as `equilibrium` does.
     """
     found = _newton(loaded, np.eye(len(near)), near)
-    return equilibrium(loaded) if found is None else found
+    if found is None or np.abs(found - near).max() > within:
+        return equilibrium(loaded)
+    return found
 
 
 def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | None:
