@@ -1,6 +1,6 @@
 """Names of all figures of a study, a campaign and a design problem, and their files. Pure Python.
 
-`vsb.report` draws them: `figures`, `campaign_figures` and `design_figures` find the function of a name.
+`vsb.report` draws them: `figures`, `campaign_page` and `design_page` find the function of a name.
 """
 
 from collections.abc import Iterable
