@@ -49,6 +49,7 @@ from vsb.study.design import PARTS, load_design
 from vsb.study.study import load as load_study
 from vsb.tools.commands import HOME
 from vsb.tools.files import attributes
+from vsb.tools.words import within_text
 
 STUDY = {
     "study": "shell",
@@ -210,7 +211,7 @@ def test_every_place_states_one_power_with_one_interval(run):
         (start,) = (row for row in table if row["buoy"] == name)
         cells = [start[key] for key in ("annual_mean_power", "power_low", "power_high")]
         assert [float(cell) for cell in cells] == pytest.approx(power, rel=1e-9)
-        text = f"{power.value / 1e3:.2f} ({power.low / 1e3:.2f} to {power.high / 1e3:.2f}) kW"
+        text = within_text(*(f"{number / 1e3:.2f}" for number in power)) + " kW"
         assert text in found.answer
         assert text in page
         assert text in Path(run.folder, f"{file}.yaml").read_text()
