@@ -316,7 +316,7 @@ def test_the_least_damping_is_that_of_a_fine_grid(decade, seed):
 
 @pytest.mark.parametrize("width", [1e-4, 1e-6, 1e-8])
 def test_violation_between_samples_is_found(width):
-    """A resonance narrower than the samples are apart draws energy: no sample tells."""
+    """A resonance narrower than the samples are apart draws energy, which no sample shows."""
     one, at = dissipative(6, 2, 2, 3), 2.005
     a, b, c = one
     ring = np.array([[-width * at, at], [-at, -width * at]])

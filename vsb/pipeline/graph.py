@@ -1,4 +1,4 @@
-"""The graph of a study: each stage with what it reads, its files, its id and its costs, told once. Pure Python.
+"""The graph of a study: each stage with what it reads, its files, its id and its costs. Pure Python.
 
 The rules of the workflow, a run in one process, a dry run and the ids that files must carry all follow from its tasks.
 """

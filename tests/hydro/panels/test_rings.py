@@ -261,7 +261,7 @@ def meshes(green, rows, height=0.0, displacements=LEGENDRE, depth=np.inf, densit
 
 
 def true_error(two, found):
-    """Against the spectral solver, in terms of the largest entries the estimate is told of."""
+    """Against the spectral solver, in terms of the largest entries that the estimate knows."""
     p, height = two.fine, 2.0 + float(two.fine.mesh.meridian_height.min())
     exact = SpectralProblem(rigid_sphere(2.0, height), p.displacements, p.density, 9.81, 48, depth=p.depth)
     reference = exact.solve(found.omega.values.tolist())
