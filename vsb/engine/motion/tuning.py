@@ -366,7 +366,7 @@ def climbed(
     Notes
     -----
     Newton's method on the parabola through the neighbours a step away: none of its steps is longer or goes downhill,
-    and the distance shrinks as the maximum comes to lie between them.
+    and the distance shrinks as the maximum comes to lie between them. The last step follows the slope alone.
     """
     left = np.arange(len(start))
     x, value, step = start.copy(), function(start, left), step.copy()
@@ -386,7 +386,11 @@ def climbed(
         left = left[step[left].max(axis=1) > FINEST]
         if not left.size:
             break
-    return x, value
+    # values tell points of a flat maximum apart to the root of round-off only, slopes to round-off over the step
+    whole, size = np.arange(len(x)), FINEST * step / step.max(axis=1, keepdims=True)
+    move = _ascent(offsets, np.array([function(x + size * offset, whole) for offset in offsets]))
+    x = np.where(np.abs(move).max(axis=1, keepdims=True) < 1.0, x + size * move, x)
+    return x, function(x, whole)
 
 
 def _ascent(offsets: IntArray, values: FloatArray) -> FloatArray:
