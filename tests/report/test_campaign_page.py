@@ -219,6 +219,20 @@ def test_no_valid_answer_where_every_shell_buckles():
     assert (carries.stands[0], carries.below) == (answer(campaign(), "FSB", "one"), [])
 
 
+def test_no_valid_answer_where_no_flexible_design_is_viable():
+    ds = campaign(advice="device.young_modulus of 11 MPa")
+    ds["viable"] = ds.viable & (ds.design == "FSB")
+    ds["reason"] = ds.reason.where(ds.viable, other="overstrained: 14.1 % at rest")
+    blank = [name for name, of in ds.data_vars.items() if {"design", "tuning"} <= set(of.dims)]
+    ds = ds.assign({name: ds[name].where(ds.viable) for name in blank})
+    assert closing_answer(ds) == (
+        "No valid answer yet: no flexible design is viable at all 4 points (overstrained). Change first: "
+        "device.young_modulus of 11 MPa."
+    )
+    ds["viable"] = ds.viable | (ds.thickness > 0.01)
+    assert "absorbs most" in closing_answer(ds)
+
+
 def test_answer_of_time_domain_runs_also_gives_the_linear_gain():
     ds = campaign()
     gain = (ds.gain_percent - 2.0).where(ds.design != "FSB", 0.0)

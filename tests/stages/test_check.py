@@ -2,6 +2,7 @@
 
 import gzip
 import hashlib
+import re
 import shutil
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import EXAMPLE, varied
-from stages.test_members import planned, with_seas
+from stages.test_members import BASE, planned, with_seas
 
 from vsb.cli import main
 from vsb.engine.shell.modes import mode_basis
@@ -151,6 +152,21 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
         "points       4 of device.young_modulus x device.density, 1 done",
         "jobs         0 of 1 batches to do, 1 shapes of the water",
     ]
+
+
+def test_points_at_which_no_flexible_design_is_viable_are_told(folder, monkeypatch):
+    """Inflated beyond what the law of Hooke holds for: p r (1 - nu) / (2 E h) alone is 35 % at 100 kPa."""
+    monkeypatch.chdir(folder)
+    wall = BASE["device"] | {"thickness": 0.02, "young_modulus": 1e7}
+    plan = planned(folder, {"device.internal_pressure": [25e3, 1e5]}, name="strained", device=wall)
+    *_, load, lost = summary(plan)
+    assert load.startswith("ok           buckling = ")
+    assert re.match(
+        r"doubt +not_viable = 1 \(limit 0\): points of 2 at which no flexible design is viable: overstrained", lost
+    )
+    only = planned(folder, {"device.internal_pressure": [1e5]}, name="only_strained", device=wall)
+    assert summary(only)[-1].startswith("fail         not_viable = 1")
+    assert "; by linear buckling viable at device.internal_pressure = " in summary(only)[-1]
 
 
 CLIMATES = Path(__file__).parents[2] / "config" / "climate"

@@ -45,6 +45,8 @@ ORDERS, FOLDED = 12, 32
 """Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
 ROUND_OFF = 1e-6
 """Compression over tension that is none."""
+OVERLOADED = ("overstrained", "no equilibrium")
+"""How reasons begin for which `advice` has an answer: the shell does not carry its load."""
 
 
 Some = TypeVar("Some", Study, BodyStudy | BodySystem, Study | BodyStudy | BodySystem)
@@ -105,7 +107,7 @@ def viability(study: Study) -> Viability:
     strain = static_strain(reference.basis, static_modal_amplitude(study, reference)) if flexible else 0.0
     holds = reference.basis.shell.law.range
     if holds.is_invalid(strain):
-        words = f"overstrained: {100 * strain:.3g} % at rest, {holds.law} ends at {100 * holds.invalid:g} %"
+        words = f"{OVERLOADED[0]}: {100 * strain:.3g} % at rest, {holds.law} ends at {100 * holds.invalid:g} %"
         return Viability(study, reference, margin, dict.fromkeys(flexible, words) | reasons)
     words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * holds.doubted:g} %"
     doubts = dict.fromkeys(flexible, words) if holds.is_doubted(strain) else {}
@@ -151,7 +153,7 @@ def static_strain(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
 def _no_equilibrium(error: Exception) -> str:
     """Why there is no shape at rest, in few words."""
     text = str(error).removeprefix("reference_shape: received 'equilibrium', but ")
-    return f"no equilibrium: {text.partition(';')[0]}"
+    return f"{OVERLOADED[1]}: {text.partition(';')[0]}"
 
 
 def buckling_margin(study: Study) -> float:

@@ -49,13 +49,26 @@ def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
     """Return the site's answer; if nothing is valid, why, and below it what was computed."""
     said = [line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line]
     best = best_flexible(ds, reference, tuning)
-    if best is None or float(best[0].margin) >= 0:
-        return Answer(said, [])
-    most = short(1 - float(best[0].margin))
     where_so = f" at all {ds.margin.size} points" if ds.margin.size > 1 else ""
-    why = f"the shell buckles under its static load{where_so} ({most} times what it can carry)"
-    change = ds.attrs.get("advice") or ADVICE["buckling"]
-    return Answer([f"No valid answer yet: {why}. Change first: {change}."], [f"{COMPUTED}{' '.join(said)}"])
+    change = ds.attrs.get("advice")
+    if not_viable := shells_not_viable(ds):
+        why = f"no flexible design is viable{where_so} ({not_viable})"
+    elif best is None or float(best[0].margin) >= 0:
+        return Answer(said, [])
+    else:
+        most = short(1 - float(best[0].margin))
+        why = f"the shell buckles under its static load{where_so} ({most} times what it can carry)"
+        change = change or ADVICE["buckling"]
+    lines = [f"No valid answer yet: {why}."] + ([f"Change first: {change}."] if change else [])
+    return Answer([" ".join(lines)], [f"{COMPUTED}{' '.join(said)}"])
+
+
+def shells_not_viable(ds: xr.Dataset) -> str:
+    """Return why no flexible design of a campaign is viable at any point, in few words; empty if one is."""
+    flexible = ds.viable.isel(design=ds.design.values != (ds.attrs.get("reference") or ""))
+    if bool(flexible.any()) or not flexible.size or not of_shells(ds):
+        return ""
+    return "; ".join(sorted({str(text).partition(":")[0] for text in ds.reason.values[~ds.viable.values]}))
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:

@@ -15,9 +15,9 @@ from vsb.engine.waves.water import Water
 from vsb.keys.quantities import canonical, content_id
 from vsb.models.floating_system import AnyBody, BuoyOfShape, Floating
 from vsb.models.rest import whole_labels
-from vsb.models.viability import advice, with_designs
+from vsb.models.viability import OVERLOADED, advice, with_designs
 from vsb.pipeline.plans import members
-from vsb.report.campaign_answer import TUNED, leading, shown_place, where
+from vsb.report.campaign_answer import TUNED, leading, shells_not_viable, shown_place, where
 from vsb.report.campaign_page import DRAWN, render
 from vsb.report.canvas import drawn
 from vsb.report.hydro_figures import year_spectra
@@ -47,9 +47,9 @@ from vsb.tools.variables import kind_of
 
 
 def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
-    """What would carry the load of the shell that is nearest to it, where the shells of all points buckle."""
+    """What would carry the load of the shell that is nearest to it, where those of all points buckle or give way."""
     nearest = int(found.margin.values.argmax())
-    if float(found.margin.values.flat[nearest]) >= 0:
+    if float(found.margin.values.flat[nearest]) >= 0 and not shells_not_viable(found).startswith(OVERLOADED):
         return {}
     (one,) = members(spec.base, [spec.vary.points[nearest]], spec.climate, spec.tuning)
     return {"advice": advice(one.study)} if isinstance(one.study, Study) else {}

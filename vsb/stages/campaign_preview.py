@@ -1,5 +1,6 @@
 """Checks of a campaign before anything is solved; imported before each run, so it imports little."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -118,19 +119,33 @@ def summary(plan: CampaignPlan) -> list[str]:
 def _load_lines(plan: CampaignPlan) -> list[str]:
     """Whether the shells carry their static load: the answer is void if none does. Only of few points, for its time."""
     from vsb.engine.hydro.database import Check, Verdict
-    from vsb.models.viability import advice, buckling_margin
+    from vsb.models.viability import OVERLOADED, advice, viability
 
     shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
     if not 0 < len(shells) <= MOST_POINTS:
         return []
-    loads = [1.0 - buckling_margin(one) for one in shells]
-    buckled = sum(load > 1.0 for load in loads)
+
+    def line(name: str, value: float, limit: float, failing: Sequence[bool], text: str, nearest: Study | None) -> str:
+        verdict: Verdict = "fail" if all(failing) else "doubt" if any(failing) else "ok"
+        tried = advice(nearest) if verdict == "fail" and nearest else ""
+        return Check(name, value, limit, "-", verdict, text, advice=tried).line
+
+    rests = [viability(one) for one in shells]
+    loads = [1.0 - rest.margin for rest in rests]
+    nearest = shells[loads.index(min(loads))]
+    buckled = [load > 1.0 for load in loads]
     text = (
-        f"static load over the load at which the shell buckles: it does at {buckled or 'none'} of {len(loads)} points"
+        f"static load over the load at which the shell buckles: it does at {sum(buckled) or 'none'} of {len(loads)} "
+        "points"
     )
-    verdict: Verdict = "fail" if buckled == len(loads) else "doubt" if buckled else "ok"
-    tried = advice(shells[loads.index(min(loads))]) if verdict == "fail" else ""
-    return [Check("buckling", max(loads), 1.0, "-", verdict, text, advice=tried).line]
+    lines = [line("buckling", max(loads), 1.0, buckled, text, nearest)]
+    flexible = [{name for name, one in shell.designs.items() if one.flexible} for shell in shells]
+    lost = [not names & set(rest.designs) for names, rest in zip(flexible, rests, strict=True)]
+    if any(lost) and not all(buckled):
+        reason = next(iter(rests[lost.index(True)].reasons.values()))
+        text = f"points of {len(lost)} at which no flexible design is viable: {reason}"
+        lines.append(line("not_viable", sum(lost), 0.0, lost, text, nearest if reason.startswith(OVERLOADED) else None))
+    return lines
 
 
 def _angle_lines(plan: CampaignPlan) -> list[str]:
