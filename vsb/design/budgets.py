@@ -160,7 +160,7 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
     return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0) - lost)
 
 
-def drawn_years(power: FloatArray, hours: FloatArray, seed: int = 1) -> FloatArray:
+def drawn_years(power: FloatArray, hours: FloatArray) -> FloatArray:
     """Return the mean power of years of blocks drawn from one year in the order of its seas, shape (year,) [W].
 
     The circular block bootstrap of Politis and Romano (1992), which keeps the persistence of seas; all buoys meet the
@@ -175,7 +175,7 @@ def drawn_years(power: FloatArray, hours: FloatArray, seed: int = 1) -> FloatArr
     """
     seas = len(hours)
     length = max(1, min(seas, round(BLOCK_DAYS / 365.25 * seas)))
-    begins = np.random.default_rng(seed).integers(0, seas, (RESAMPLED, -(-seas // length)))
+    begins = np.random.default_rng(1).integers(0, seas, (RESAMPLED, -(-seas // length)))
     sums = [
         np.convolve(np.concatenate([values, values[: length - 1]]), np.ones(length), mode="valid")
         for values in (power * hours, hours)

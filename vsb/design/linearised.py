@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Protocol
 
 import numpy as np
 from scipy.linalg import null_space
@@ -188,13 +187,7 @@ def _at_port(buoy: RestingBuoy, port: SinglePort) -> RestingBuoy:
     return replace(buoy, study=buoy.study.model_copy(update={"pto": pto}))
 
 
-class _Change(Protocol):
-    """What differentiates functions of a buoy by all variables."""
-
-    def __call__(self, of: Callable[[RestingBuoy], AnyArray], *size: int) -> FloatArray: ...
-
-
-def _port_change(buoy: RestingBuoy, change: _Change, port: FloatArray) -> FloatArray:
+def _port_change(buoy: RestingBuoy, change: Callable[..., FloatArray], port: FloatArray) -> FloatArray:
     """Derivatives of `_port` by all variables.
 
     Of a damper spread over the shell by those of the membrane's stiffness K = L L^T, whose rank is the same:

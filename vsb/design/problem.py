@@ -254,7 +254,7 @@ def spread(
     return np.array([one.gradient[: len(keys)] * sizes for one in terms]).reshape(len(terms), len(keys))
 
 
-def probabilities(excess: FloatArray, scatter: FloatArray, parts: Sequence[str], seed: int = 1) -> dict[str, float]:
+def probabilities(excess: FloatArray, scatter: FloatArray, parts: Sequence[str]) -> dict[str, float]:
     """Return the probability that each limit holds of a buoy as it is built, and that all hold, under `all`.
 
     Inputs are normal and independent, excesses linear in them.
@@ -268,7 +268,7 @@ def probabilities(excess: FloatArray, scatter: FloatArray, parts: Sequence[str],
     parts : sequence of str
         Names of the parts.
     """
-    drawn = np.random.default_rng(seed).standard_normal((DRAWS, scatter.shape[1]))
+    drawn = np.random.default_rng(1).standard_normal((DRAWS, scatter.shape[1]))
     holds = excess + drawn @ scatter.T <= ROUND_OFF
     limits = [limit_of(part) for part in parts]
     found = {

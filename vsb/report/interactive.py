@@ -194,9 +194,9 @@ def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[st
     }
 
 
-def thinned(omega: FloatArray, most: int = MOST_FREQUENCIES) -> FloatArray:
-    """Return indices of evenly chosen frequencies, at most so many, the last included."""
-    return np.unique(np.linspace(0, len(omega) - 1, min(most, len(omega))).astype(int))
+def thinned(omega: FloatArray) -> FloatArray:
+    """Return indices of at most `MOST_FREQUENCIES` evenly chosen frequencies, the last included."""
+    return np.unique(np.linspace(0, len(omega) - 1, min(MOST_FREQUENCIES, len(omega))).astype(int))
 
 
 def as_script(data: Mapping[str, Any]) -> markupsafe.Markup:

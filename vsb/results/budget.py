@@ -66,9 +66,9 @@ class Source:
         return cls(name, 0.0 - abs(half_width), abs(half_width), kind, shared)
 
     @classmethod
-    def towards(cls, name: str, change: float, kind: Kind = "bound", *, shared: bool = False) -> Self:
+    def towards(cls, name: str, change: float) -> Self:
         """Return a one-sided source: the true value lies between the number and the number plus a change."""
-        return cls(name, min(0.0, change), max(0.0, change), kind, shared)
+        return cls(name, min(0.0, change), max(0.0, change))
 
 
 @dataclass(frozen=True)

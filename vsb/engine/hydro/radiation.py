@@ -232,7 +232,7 @@ def truncated(model: RadiationModel, order: int) -> RadiationModel:
     return RadiationModel(kept.T @ a @ kept, kept.T @ g, kept.T @ model.channel)
 
 
-def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: int = 15) -> ComplexArray:
+def vector_fit(omega: FloatArray, values: ComplexArray, order: int) -> ComplexArray:
     """Return stable common poles of a set of transfer functions, shape (order,) [rad/s].
 
     Parameters
@@ -250,7 +250,7 @@ def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: 
     s = 1j * omega
     start = np.geomspace(0.1, 0.7, order // 2) * omega.max() / 2
     poles = np.concatenate([(-0.3 + 1j) * start, (-0.3 - 1j) * start])
-    for _ in range(iterations):
+    for _ in range(15):
         basis, block, ones = partial_fractions(s, poles)
         rows, right = [], []
         for f in values.T:

@@ -35,6 +35,8 @@ STEP_FRACTION = 0.995  # of the distance to the boundary
 MOST_STEPS = 80
 KEPT = 1e-9
 """Relative tolerance on limits at the collocation instants."""
+TOLERANCE = 1e-6
+"""Of the power of the best force with harmonics of the band [-]."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +186,7 @@ def _newton(programme: _Programme, at: _Point, factor: tuple[FloatArray, bool], 
     return _Point(force, slack, (target - at.multiplier * slack) / at.slack - at.multiplier)
 
 
-def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]:
+def _solved(programme: _Programme) -> tuple[ComplexArray, int]:
     """The best force with harmonics of the band, by Mehrotra's predictor-corrector method, and the number of steps."""
     # no force, slacks off the boundary, multipliers of the order of the available power
     force = np.zeros(programme.harmonics.count, dtype=complex)
@@ -201,7 +203,7 @@ def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]
                 "another does is not known; raise one of them"
             )
         power = programme.power(at.force)
-        if programme.excess(at.force) < KEPT and best - power <= tolerance * abs(best):
+        if programme.excess(at.force) < KEPT and best - power <= TOLERANCE * abs(best):
             return at.force, steps
         weights = at.multiplier / at.slack
         matrix = programme.matrix(weights[:, 0] + weights[:, 1])
@@ -211,7 +213,7 @@ def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]
         target = centring * at.mean_product - straight.slack * straight.multiplier
         at = at.moved(_newton(programme, at, factor, target), STEP_FRACTION)
     raise ConvergenceError(
-        f"pto: the optimum under limits is not found to {tolerance:g} in {MOST_STEPS} steps (gap "
+        f"pto: the optimum under limits is not found to {TOLERANCE:g} in {MOST_STEPS} steps (gap "
         f"{(best - power) / abs(best):.2g}); needs limits that leave more room"
     )
 
@@ -224,7 +226,7 @@ def optimum_in_sea(port: Port, sea: Sea, harmonics: Harmonics, limits: Limits) -
 
 
 def constrained_optimum(
-    harmonics: Harmonics, port: Port, amplitude: ComplexArray, limits: Limits, tolerance: float = 1e-6
+    harmonics: Harmonics, port: Port, amplitude: ComplexArray, limits: Limits
 ) -> ConstrainedOptimum:
     """Return the best force found at a port within limits, and the bound of every force within them.
 
@@ -241,8 +243,6 @@ def constrained_optimum(
         Its real part is positive.
     amplitude : ndarray, shape (harmonic,) [m]
         Of the waves.
-    tolerance : float [-]
-        Relative tolerance on the power of the best force with harmonics of the band.
     """
     if not np.all(port.admittance.real > 0):
         worst = int(np.argmin(port.admittance.real))
@@ -281,7 +281,7 @@ def constrained_optimum(
         )
     bound = min(most, proved.power)
     try:
-        force, steps = _solved(programme, tolerance)
+        force, steps = _solved(programme)
     except NoForceFoundError as error:
         error.bound = bound
         raise

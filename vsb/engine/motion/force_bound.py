@@ -158,6 +158,7 @@ PENALTY = 5e-4
 """Penalty on the mean square of force and stroke, over the power: selects the smallest of nearly equal optima."""
 STEP_FRACTION = 0.995  # of the distance to the boundary
 MOST_STEPS = 60
+TOLERANCE = 1e-4  # of the optimal multipliers; the bound is valid for any
 
 
 def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CELLS * NODES) -> float:
@@ -339,14 +340,12 @@ def force_bound(
     admittance: ComplexArray,
     limits: Limits,
     least: float = -np.inf,
-    tolerance: float = 1e-4,
 ) -> ForceBound:
     """Return an upper bound of the mean power of every force within limits, of which at least one is finite.
 
     Of the multipliers' harmonics, which include those of the sea, the free velocity V0 of the port [m/s] and Y of the
     port [m/(N s)], with a positive real part, each shape (harmonic,). `least` is a lower bound of what any force within
     its limit absorbs in the band [W]: iteration stops once the bound is below, for then no force keeps both limits.
-    `tolerance` is that of the optimal multipliers; the bound is valid for any.
     """
     gamma = admittance / (1j * harmonics.omega)  # displacement per unit force
     unit, free = np.ones((1, harmonics.count), dtype=complex), velocity / (-1j * harmonics.omega)
@@ -371,7 +370,7 @@ def force_bound(
     for steps in range(MOST_STEPS):  # noqa: B007 - returned
         value = float(np.abs(bound.at_nodes(at.x)).sum()) + bound.quadratic(at.x)
         products = at.slack * at.sides
-        if value < least or max(float(products.sum()), missing * matched) <= tolerance * abs(value):
+        if value < least or max(float(products.sum()), missing * matched) <= TOLERANCE * abs(value):
             break
         weights = 1 / ((at.sides / at.slack).sum(axis=1) + penalty)
         try:

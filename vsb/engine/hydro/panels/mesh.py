@@ -13,6 +13,7 @@ from vsb.tools.files import atomic_write
 
 DISPLAY_AMPLITUDE = 0.1
 """Modal amplitude of the deformed meshes for display, in radii or, where less, double drafts: all shapes stay wet."""
+DISPLAY_ROWS = 40
 
 
 def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
@@ -77,7 +78,7 @@ def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, Fl
     return vertices, faces
 
 
-def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azimuth: int = 80) -> None:
+def write_wet_shell(shell: DeformedShell, path: str | Path) -> None:
     """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
 
     Each wet segment is a band of rows, so shells with several waterlines are written, too.
@@ -85,8 +86,8 @@ def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azim
     points: list[FloatArray] = []
     faces: list[FloatArray] = []
     for start, end in shell.wet_segments:
-        meridian = shell.meridian(graded_colatitudes(start, rows, end))
-        vertices, quads = revolved(meridian.x, meridian.z, azimuth)
+        meridian = shell.meridian(graded_colatitudes(start, DISPLAY_ROWS, end))
+        vertices, quads = revolved(meridian.x, meridian.z, 2 * DISPLAY_ROWS)
         faces.append(quads + sum(len(p) for p in points))
         points.append(vertices)
     mesh = meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))])

@@ -116,17 +116,17 @@ def unit_rule(points: int) -> tuple[FloatArray, FloatArray]:
 
 
 @cache
-def log_rule(points: int = 24, degree: int = 10) -> tuple[FloatArray, FloatArray]:
-    """Return nodes and weights on [0, 1], each shape (points,), of a rule for f + g log u with smooth f and g.
+def log_rule() -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights on [0, 1], each shape (24,), of a rule for f + g log u with smooth f and g.
 
-    Nodes u = v^2 of Gauss' rule in v; its weights are moved as little as makes u^p and u^p log u exact for p < degree.
+    Nodes u = v^2 of Gauss' rule in v; its weights are moved as little as makes u^p and u^p log u exact for p < 10.
     """
 
     def moments(u: FloatArray) -> FloatArray:
-        p = np.polynomial.legendre.legvander(2 * u - 1, degree - 1).T
+        p = np.polynomial.legendre.legvander(2 * u - 1, 9).T
         return np.concatenate([p, p * np.log(u)])
 
-    (v, w), (fine_v, fine_w) = unit_rule(points), unit_rule(200)
+    (v, w), (fine_v, fine_w) = unit_rule(24), unit_rule(200)
     weight, rows = 2 * v * w, moments(v**2)
     exact = moments(fine_v**6) @ (6 * fine_v**5 * fine_w)
     return v**2, weight + np.linalg.lstsq(rows, exact - rows @ weight, rcond=1e-13)[0]
