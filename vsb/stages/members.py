@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -57,7 +57,7 @@ from vsb.results.year import bins_of, frequencies
 from vsb.stages.check import read_climate
 from vsb.stages.make import make, solve
 from vsb.stages.stage import stamp
-from vsb.stages.water import refined
+from vsb.stages.water import Blocks, refined
 from vsb.study.body import BodyHydro
 from vsb.study.campaign import CAUSAL, Verify
 from vsb.study.resolution import COARSEST_SWEEP
@@ -163,34 +163,25 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     study, order, water = plan.study, family.order if family else 0, plan.study.water
     paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
     blocks = {Path(path).stem: load(path, expected=Path(path).stem) for path in paths}
-    made, _ = refined(blocks, lambda found: _Swept.of(study, list(found.values()), basis, family), study.hydro.accept)
-    quality.judged(made.checks, study.hydro.accept)
-    raw = database.with_symmetrized(made.whole)
+    tolerance = study.hydro.tolerance
+    precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
+
+    def assembled(blocks: Blocks) -> tuple[tuple[xr.Dataset, dict[str, float]], list[Check]]:
+        some = list(blocks.values())
+        whole = database.with_excitation(database.merged_blocks(some))
+        wet = orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis)
+        checks = quality.estimate_checks([block.attrs for block in some], tolerance)
+        checks += quality.verdict(wet, None, water, precision, order)
+        return (whole, {name: max(float(block.attrs.get(name, 0.0)) for block in some) for name in STATED}), checks
+
+    (whole, errors), checks, _ = refined(blocks, assembled, study.hydro.accept)
+    quality.judged(checks, study.hydro.accept)
+    raw = database.with_symmetrized(whole)
     if order:
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
-    raw = raw.assign_attrs(made.errors)
+    raw = raw.assign_attrs(errors)
     count = raw.sizes["influenced_dof"]
     return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
-
-
-class _Swept(NamedTuple):
-    """Coefficients of one azimuthal order from blocks, judged as those of a database are, and errors stated of them."""
-
-    whole: xr.Dataset
-    checks: list[Check]
-    errors: dict[str, float]
-
-    @classmethod
-    def of(cls, study: Study, blocks: Sequence[xr.Dataset], basis: ModeBasis, family: OrderBasis | None) -> Self:
-        """Return the coefficients of blocks; none of a family: of heave and axisymmetric modes."""
-        whole = database.with_excitation(database.merged_blocks(blocks))
-        wet = orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis)
-        tolerance, order = study.hydro.tolerance, family.order if family else 0
-        precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
-        checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
-        checks += quality.verdict(wet, None, study.water, precision, order)
-        errors = {name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED}
-        return cls(whole, checks, errors)
 
 
 def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:

@@ -5,7 +5,7 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, Self, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import xarray as xr
@@ -168,9 +168,18 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
     precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
     reference = reference_shell(spec)
     families = order_bases(spec, reference.basis)
-    (parts, swept, asked, checks), history = refined(
-        found, lambda blocks: _Assembled.of(spec, reference, blocks, families, precision), spec.accept
-    )
+
+    def in_modes(blocks: Blocks) -> tuple[tuple[list[_Part], list[xr.Dataset], list[xr.Dataset] | None], list[Check]]:
+        parts = [_Part(spec, reference, blocks, basis) for basis in (None, *(one for one in families if not one.odd))]
+        swept = [part.in_modes(spec.sweep) for part in parts]
+        infinite = [name for name in spec.sweep if "omega" not in blocks[name].dims]
+        asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
+        checks = quality.estimate_checks([block.attrs for block in blocks.values()], spec.tolerance)
+        for i, part in enumerate(parts):
+            checks += part.verdict(swept[i], asked[i] if asked else None, precision)
+        return (parts, swept, asked), checks
+
+    (parts, swept, asked), checks, history = refined(found, in_modes, spec.accept)
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
@@ -197,39 +206,33 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
         database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
 
 
-class Assessed(Protocol):
-    """What is made of blocks, and the verdict on it."""
-
-    @property
-    def checks(self) -> list[Check]:
-        """The verdict."""
-        ...
-
-
-Made = TypeVar("Made", bound=Assessed)
+Blocks = Mapping[str, xr.Dataset]
+"""Blocks of frequencies by their ids."""
+Made = TypeVar("Made")
 
 
 def refined(
-    blocks: Mapping[str, xr.Dataset], assemble: Callable[[Mapping[str, xr.Dataset]], Made], accept: Sequence[str]
-) -> tuple[Made, list[str]]:
-    """Return what is made of blocks, solved again more finely while a check fails that this may mend, and its history.
+    blocks: Blocks, assemble: Callable[[Blocks], tuple[Made, list[Check]]], accept: Sequence[str]
+) -> tuple[Made, list[Check], list[str]]:
+    """Return what is made of blocks with its checks, and their history.
 
-    Blocks of panels stay as they are: their mesh would be another one.
+    They are solved again more finely while a check fails that this may mend. Blocks of panels stay as they are: their
+    mesh would be another one.
     """
-    made, history = assemble(blocks), []
+    (made, checks), history = assemble(blocks), []
     for share in REFINED:
-        failing = {check.name for check in made.checks if check.verdict == "fail"} - set(accept)
+        failing = {check.name for check in checks if check.verdict == "fail"} - set(accept)
         if not failing & set(REFINABLE):
             break
         try:
             blocks = {name: _solved_again(block, share) for name, block in blocks.items()}
         except ConvergenceError:
             break
-        worse, made = made, assemble(blocks)
-        pairs = zip(worse.checks, made.checks, strict=True)
+        worse, (made, checks) = checks, assemble(blocks)
+        pairs = zip(worse, checks, strict=True)
         changes = (f"{one.name} {one.value:.3g} became {new.value:.3g}" for one, new in pairs if one.name in failing)
         history.append(f"solved again to {share:g} of the tolerance: {', '.join(changes)}")
-    return made, history
+    return made, checks, history
 
 
 def _solved_again(block: xr.Dataset, share: float) -> xr.Dataset:
@@ -254,41 +257,13 @@ def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
     }
 
 
-class _Assembled(NamedTuple):
-    """The degrees of freedom of every order from the same blocks, and the verdict on them."""
-
-    parts: "list[_Part]"
-    swept: list[xr.Dataset]
-    asked: list[xr.Dataset] | None  # frequencies tabulated, if any are
-    checks: list[Check]
-
-    @classmethod
-    def of(
-        cls,
-        spec: DatabaseSpec,
-        reference: ReferenceShell,
-        found: Mapping[str, xr.Dataset],
-        families: Sequence[OrderBasis],
-        precision: float,
-    ) -> Self:
-        """Return the blocks found expressed in the modes, and their checks."""
-        parts = [_Part(spec, reference, found, basis) for basis in (None, *(one for one in families if not one.odd))]
-        swept = [part.in_modes(spec.sweep) for part in parts]
-        infinite = [name for name in spec.sweep if "omega" not in found[name].dims]
-        asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
-        checks = quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance)
-        for i, part in enumerate(parts):
-            checks += part.verdict(swept[i], asked[i] if asked else None, precision)
-        return cls(parts, swept, asked, checks)
-
-
 @dataclass(frozen=True)
 class _Part:
     """The degrees of freedom of one azimuthal order, from blocks to the database."""
 
     spec: DatabaseSpec
     reference: ReferenceShell
-    found: Mapping[str, xr.Dataset]
+    found: Blocks
     basis: OrderBasis | None = None  # of order m >= 1; none: heave and axisymmetric modes
 
     @property
