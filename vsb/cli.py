@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import argcomplete
 
+import vsb.tools.threads  # noqa: F401  before NumPy is loaded
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.keys.quantities import Section

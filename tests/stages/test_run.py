@@ -14,6 +14,7 @@ from stages.test_members import planned, with_seas
 from test_cli import written
 
 from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.jobs import cores
 from vsb.stages import run as launcher
 from vsb.study.study import load
 
@@ -120,3 +121,13 @@ def test_errors_of_later_stages_are_reported_before_the_run(finished, workplace,
         written(name, pto={"damping": 1e3, "stiffness": -1e6})
     assert message in error_line(["run", name], capsys)
     assert not Path("results").exists()
+
+
+@pytest.mark.skipif(cores() < 2 or not sys.platform.startswith("linux"), reason="a process of one core has one thread")
+@pytest.mark.parametrize(("command", "alone"), [("run", True), ("body", False)])
+def test_libraries_of_a_run_have_one_thread_of_those_they_could(monkeypatch, command, alone):
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        monkeypatch.delenv(name, raising=False)
+    code = "import os, vsb.cli, numpy; print(len(os.listdir('/proc/self/task')))"
+    ended = subprocess.run([sys.executable, "-c", code, command], capture_output=True, text=True, check=True)
+    assert (int(ended.stdout) == 1) == alone

@@ -31,6 +31,7 @@ from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.make import Progress, best_so_far, failed, followed, log_path, make_each
 from vsb.stages.stage import exclusive_lock, shared_lock
 from vsb.tools.commands import HOME, long_options
+from vsb.tools.threads import one_thread
 from vsb.tools.words import shortened
 
 Follow = Callable[[Iterable[str]], None]
@@ -48,8 +49,7 @@ def run(args: argparse.Namespace) -> int:
     from vsb.stages import verify
     from vsb.tools.files import attributes, check_folder
 
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # as in a job of Snakemake's: threads of small matrices only wait
+    one_thread()
     plan = plan_of(args.config, args.results)
     check_name(plan)
     check_plan(plan)
