@@ -89,8 +89,9 @@ def meridian_series(shape: Shape, q: FloatArray) -> FloatArray:
 @njit(cache=True, fastmath=REORDERED)
 def chebyshev_table(c: FloatArray, order: int) -> FloatArray:
     """Return T_k(c), k < order, shape (order, point)."""
-    table = np.ones((order, len(c)))
-    table[1] = c
+    table = np.empty((order, len(c)))
+    for i in range(len(c)):
+        table[0, i], table[1, i] = 1.0, c[i]
     for k in range(2, order):
         for i in range(len(c)):
             table[k, i] = 2 * c[i] * table[k - 1, i] - table[k - 2, i]
