@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import varied
 
 from vsb.engine.motion.take_off import LAWS, Law
 from vsb.keys.meanings import KEYS
@@ -13,6 +14,7 @@ from vsb.report.answer import (
     ADVICE,
     LOWEST,
     USEFUL_SHARE,
+    answer_of_study,
     at_force_statements,
     closing_line,
     damping_in_words,
@@ -181,6 +183,23 @@ def test_closing_line_of_a_run():
     )
     assert closing_line(known[:1], "FSB") == "FSB absorbs 781.1 (773.3 to 796.7) W at optimal damping; "
     assert even == "mean power against the rigid FSB +0.0 % at optimal damping, +0.0 % at the given damping; "
+
+
+def test_closing_line_states_the_power_under_a_law_that_is_no_damper(seed):
+    """That of the comparison, with its interval, each sea once; not that of the damper by linear theory."""
+    waves = [{"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}]
+    study = varied(seed, pto={"law": "latching", "damping": 8e3}, waves=waves)
+    labels = [wave.label for wave in study.waves]
+    ends = {"low": -85.8, "high": -82.2, "power_low": 70.4, "power_high": 88.4}
+    rows = [
+        {"design": design, "wave": label, "power_mean": power, "power_gain_percent": gain, **ends}
+        for label in labels for design, power, gain in [("FSB", 79.39, 0.0), ("VSWEC", 12.71, -84.0)]
+    ]  # fmt: skip
+    tuned = [line("FSB", 781.1, 0.0, sea=study.waves[0].family), line("VSWEC", 705.8, -9.64, sea=study.waves[0].family)]
+    assert answer_of_study(study, {"comparison": rows, "equal_tuning": tuned, "invalid": []}) == (
+        "mean power against the rigid FSB -9.6 % at optimal damping of a linear take-off, -84.0 % (-85.8 to -82.2 %) at "
+        "the given damping, latching; FSB absorbs most, 79.39 (70.4 to 88.4) W at the given damping, latching; "
+    )
 
 
 def test_words_of_a_law_may_name_keys_at_their_default(monkeypatch):

@@ -106,6 +106,13 @@ def test_gains_are_between_optimal_powers_of_all_realisations(seas, levels):
     assert {(line.power, line.gain_percent, line.share) for line in tuned} == {(None, None, None)}
 
 
+def test_nothing_is_stated_at_the_given_damper_under_a_law_that_is_no_damper(seas, levels):
+    """A buoy that latches does not absorb what linear theory has of its damper."""
+    latching = varied(seas, pto={"law": "latching", "damping": 8e3})
+    assert {(line.power, line.gain_percent, line.share) for line in equal_tuning(latching, levels)} == {(None,) * 3}
+    assert [line.best_power for line in equal_tuning(latching, levels)] == [800.0, 720.0, 200.0, 200.0]
+
+
 def test_power_lost_at_the_given_damper_is_reported(seas, levels):
     """Of dampers, not of take-offs that latch."""
     lines = equal_tuning(seas, levels)

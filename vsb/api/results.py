@@ -31,7 +31,7 @@ from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
 from vsb.pipeline.plans import DesignPlan, with_degree
-from vsb.report.answer import closing_line, limits_aside
+from vsb.report.answer import answer_of_study
 from vsb.results.comparison import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
@@ -388,9 +388,7 @@ class Results:
     def __repr__(self) -> str:
         """Say what was compared, the answer, and what the ledger says."""
         found = self._tables
-        known = found["equal_tuning"], self.study.reference_design, found["invalid"]
-        aside = limits_aside(self.study.pto.model_dump())
-        answer = closing_line(*known, flexible=self.study.flexible, aside=aside).rstrip("; ")
+        answer = answer_of_study(self.study, found).rstrip("; ")
         verdicts = pd.Series([check["verdict"] for check in found["checks"]]).value_counts()
         seas = ", ".join(wave.label for wave in self.study.waves)
         lines = [

@@ -45,6 +45,8 @@ ORDERS, FOLDED = 12, 32
 """Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
 ROUND_OFF = 1e-6
 """Compression over tension that is none."""
+SPARE = 0.01
+"""Stiffness against buckling that an advised pressure leaves, over that without load: where it ends strains do not."""
 OVERLOADED = ("overstrained", "no equilibrium")
 """How reasons begin for which `advice` has an answer: the shell does not carry its load."""
 
@@ -307,7 +309,7 @@ def viable(study: Study) -> Viable:
     """
     sphere = study.device.shape is None
     lobes = (lambda _: ()) if sphere else (lambda loaded: LobedShell.of(loaded).pencils())
-    pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes)
+    pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes, SPARE)
     least = float(f"{pressure:.3e}")
     least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # it holds there
     least = float(f"{least:.3e}")

@@ -3,6 +3,7 @@
 With it the reasons of doubts in words, and the band of wave frequencies over which gains are stated.
 """
 
+import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -10,7 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.take_off import DEFAULTS, LAWS, port_kind
+from vsb.engine.motion.take_off import DAMPERS, DEFAULTS, LAWS, port_kind
+from vsb.keys.quantities import canonical
+from vsb.study.study import BaseStudy
 from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.tools.words import (
     SAME,
@@ -360,23 +363,50 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
+def answer_of_study(study: BaseStudy, tables: Mapping[str, Lines]) -> str:
+    """Return the answer of a study in one line, from its tables; see `closing_line`."""
+    pto, seas = json.loads(canonical(study))["pto"], {wave.label: wave.family for wave in study.waves if not wave.still}
+    runs = {
+        (row["design"], seas[row["wave"]]): {
+            "design": row["design"], "sea": seas[row["wave"]], "gain_percent": row["power_gain_percent"],
+            "power": row["power_mean"], **{end: row.get(end) for end in ("low", "high", "power_low", "power_high")},
+        }
+        for row in tables["comparison"] if study.pto.law not in DAMPERS and row["wave"] in seas
+    }  # fmt: skip
+    where = damping_in_words(pto)
+    return closing_line(
+        tables["equal_tuning"], study.reference_design, tables["invalid"], flexible=study.flexible,
+        aside=limits_aside(pto), runs=[*runs.values()], where=where[0].lower() + where[1:],
+    )  # fmt: skip
+
+
 def closing_line(
-    lines: Lines, reference: str | None, invalid: Lines = (), *, flexible: bool = True, aside: str = ""
+    lines: Lines,
+    reference: str | None,
+    invalid: Lines = (),
+    *,
+    flexible: bool = True,
+    aside: str = "",
+    runs: Lines = (),
+    where: str = "",
 ) -> str:
     """Return the answer of a study in one line that another sentence continues; empty if there is none.
 
     Gains, and the largest mean power, with their intervals. Only valid designs count; where there is none, the line
-    says so and why. `flexible` says whether any design is, `aside` what `limits_aside` does.
+    says so and why. `flexible` says whether any design is, `aside` what `limits_aside` does. Under a law of the
+    take-off that is no damper, `runs` are lines of its own powers, and `where` says in words which law it is.
     """
     others = valid_lines(lines, reference, invalid)
     if not others and invalid:
         return f"{no_answer(invalid)} "
-    parts = [
-        f"{_range([line for line in others if line[f'{of}gain_percent'] is not None], of)} at {where}"
-        for of, where in (("best_", f"optimal damping{aside}"), ("", "the given damping"))
-        if any(line[f"{of}gain_percent"] is not None for line in others)
+    kinds = [
+        (others, "best_", f"at optimal damping{aside}"),
+        (others, "", "at the given damping"),
+        (valid_lines(runs, reference, invalid), "", where),
     ]
-    most = _most_absorbed(lines, invalid, aside)
+    stated = [([line for line in some if line[f"{of}gain_percent"] is not None], of, at) for some, of, at in kinds]
+    parts = [f"{_range(some, of)} {at}" for some, of, at in stated if some]
+    most = _most_absorbed(runs, "", invalid, where) or _most_absorbed(lines, "best_", invalid, kinds[0][2])
     if not (parts and reference):
         return most
     return f"mean power against {the_rigid(reference) if flexible else reference} {', '.join(parts)}; {most}"
@@ -393,17 +423,17 @@ def _range(lines: Lines, of: str) -> str:
     return f"{gain_text(gains[0], *ends)} %{interval and f' ({interval})'}"
 
 
-def _most_absorbed(lines: Lines, invalid: Lines, aside: str) -> str:
-    """The largest mean power at optimal damping of what is valid, with its interval; empty without one."""
+def _most_absorbed(lines: Lines, of: str, invalid: Lines, where: str) -> str:
+    """The largest mean power of what is valid, with its interval; empty without one. `of` is what keys begin with."""
     broken = {(line["design"], line["sea"]) for line in invalid}
     valid = [line for line in lines if (line["design"], line["sea"]) not in broken]
-    best = max(valid, key=lambda line: float(line["best_power"]), default=None)
-    if best is None or best.get("best_power_low") is None:
+    best = max(valid, key=lambda line: float(line[f"{of}power"]), default=None)
+    if best is None or best.get(f"{of}power_low") is None:
         return ""
-    value = power(best["best_power"], best["best_power_low"], best["best_power_high"])
-    where = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
+    value = power(*(best[f"{of}{name}"] for name in ("power", "power_low", "power_high")))
+    sea = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
     verb = "absorbs most," if len({line["design"] for line in lines}) > 1 else "absorbs"
-    return f"{best['design']} {verb} {value}{where} at optimal damping{aside}; "
+    return f"{best['design']} {verb} {value}{sea} {where}; "
 
 
 ADVICE = {

@@ -17,7 +17,7 @@ import markupsafe
 import numpy as np
 import xarray as xr
 
-from vsb.engine.motion.take_off import port_kind
+from vsb.engine.motion.take_off import DAMPERS, port_kind
 from vsb.report.answer import (
     AT_FORCE,
     COMPUTED,
@@ -440,7 +440,7 @@ def render(report: Report) -> str:
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     where, given = damping_in_words(pto), pto.get("damping") is not None
-    at_damping = tuned if law in ("linear", "saturated") else ()  # else the power in time is not that of the damping
+    at_damping = tuned if law in DAMPERS else ()  # else the power in time is not that of the damping
     regular = [row for row in report.rows if row["wave"] not in irregular]
     in_seas = [
         *sea_statements(regular, report.rigid, report.seas, at_damping, where, unit),
@@ -477,6 +477,7 @@ def render(report: Report) -> str:
         ],
         seas=in_seas,
         neglected=_neglected(report),
+        aside=_aside(report) if law not in DAMPERS else "",
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampings=where,

@@ -138,7 +138,7 @@ def answer(lines: Sequence[Line]) -> str:
     gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
-        subject, rigid = f"in {_place(best)}: design {best.design} absorbs", f"the rigid one ({TUNED[best.tuning]})."
+        subject, rigid = f"in {_place(best)}: design {best.design} absorbs", f"the rigid one ({_under(best)})."
         interval, decimals = interval_text(best.low, best.high), gain_decimals(best.low, best.high)
         known = f" ({interval})" if interval else ""
         if gain >= EQUAL:
@@ -149,13 +149,18 @@ def answer(lines: Sequence[Line]) -> str:
     if not powers:
         return "No design is viable."
     power, most = max(powers, key=lambda one: one[0])
-    return f"Most power in {_place(most)}: design {most.design} absorbs {plain(power)} W ({TUNED[most.tuning]})."
+    return f"Most power in {_place(most)}: design {most.design} absorbs {plain(power)} W ({_under(most)})."
 
 
 def _leading(lines: Sequence[Line]) -> list[Line]:
     """Lines under the first tuning of each place: every design at its own best damper where that is known."""
     first: dict[str, str] = {}
     return [line for line in lines if first.setdefault(_place(line), line.tuning) == line.tuning]
+
+
+def _under(line: Line) -> str:
+    """Tuning of a line, or the law of its take-off, in words."""
+    return TUNED.get(line.tuning, f"under the law {line.tuning}")
 
 
 def _place(line: Line) -> str:

@@ -10,7 +10,7 @@ import xarray as xr
 from vsb.engine.hydro.database import Check, Verdict
 from vsb.engine.motion.causal import Controlled, RmsLimits, StationaryPort, optimum
 from vsb.engine.motion.controller import achieved
-from vsb.engine.motion.take_off import Pto, port_kind
+from vsb.engine.motion.take_off import DAMPERS, Pto, port_kind
 from vsb.engine.motion.tuning import damper_within_force, mean_power
 from vsb.engine.waves.kinds import Irregular, PeakedSea, Wave
 from vsb.errors import VsbError
@@ -30,9 +30,6 @@ LOST = 0.05
 NEXT_TO_NOTHING = 1e3
 """Matched power over the rigid design's own best, above which gains over that design mean nothing."""
 LINEARISATION = "linearisation"
-
-DAMPERS = ("linear", "saturated")
-"""Laws whose power is that of a damper; that of others is not what linear theory has of the damper."""
 
 
 class Beyond(NamedTuple):
@@ -110,7 +107,8 @@ def equal_tuning(
     """Return one line per sea and design, from the control levels of a study, and from its runs where they differ.
 
     At the damper of the runs powers and gains are those of the runs. At another one they are of linear theory, their
-    intervals wider by what that leaves out at the damper of the runs (`linearisation`).
+    intervals wider by what that leaves out at the damper of the runs (`linearisation`). Under a law that is no damper
+    nothing is stated at the given one: its power is that of the comparison.
 
     Parameters
     ----------
@@ -125,7 +123,7 @@ def equal_tuning(
     for sea, here in _by_sea(study, levels).items():
         best, fixed = (_at_level(study, here, sea, level, beyond, in_time) for level in ("best_damper", "fixed"))
         for design, (damper, at_best) in best.items():
-            given, at_given = fixed.get(design, (None, None))
+            given, at_given = fixed.get(design, (None, None)) if study.pto.law in DAMPERS else (None, None)
             power, gain = (None, None) if at_given is None else (at_given.power, at_given.gain)
             share = power / at_best.power if power is not None and at_best.power > 0 else None
             line = (design, sea, damper, at_best.power, at_best.gain, given, power, gain, share)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.take_off import DAMPERS
 from vsb.engine.waves.kinds import Wave
 from vsb.models.take_off import LINEARISED
 from vsb.results.budget import Budget, Source
@@ -64,7 +65,7 @@ def is_linear(study: BaseStudy, run: Mapping[str, Any], level: ControlLevel | No
     pto = study.pto
     if not pto.nonlinear:
         return True
-    if level is None or pto.law not in ("linear", "saturated") or level.force_peak is None or level.stroke_peak is None:
+    if level is None or pto.law not in DAMPERS or level.force_peak is None or level.stroke_peak is None:
         return False
     return pto.force_limit > OUT_OF_REACH * level.force_peak and pto.stroke_limit > OUT_OF_REACH * level.stroke_peak
 

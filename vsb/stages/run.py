@@ -215,13 +215,11 @@ def _answer(plan: Plan) -> str:
         from vsb.tools.files import load
 
         return f"{load(plan.data_path, expected=plan.identity).attrs['answer']} "
-    from vsb.report.answer import closing_line, limits_aside
+    from vsb.report.answer import answer_of_study
     from vsb.tools.stamps import read_text
 
-    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
-    known = found["equal_tuning"], plan.study.reference_design, found["invalid"]
-    aside = limits_aside(plan.study.pto.model_dump())
-    return closing_line(*known, flexible=plan.study.flexible, aside=aside)
+    tables = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
+    return answer_of_study(plan.study, tables)
 
 
 def check_options(options: Sequence[str], plan: Plan) -> None:

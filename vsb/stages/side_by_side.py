@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from vsb.engine.motion.take_off import port_kind
+from vsb.engine.motion.take_off import DAMPERS, port_kind
 from vsb.engine.waves.climate import YEAR_HOURS
 from vsb.engine.waves.kinds import Wave
 from vsb.errors import ConfigError
@@ -67,13 +67,15 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
     listed: set[str] = set()
     for wave in plan.study.waves:
         tuning, sea = plan.study.tuning(wave), _sea(wave)
-        if sea in listed or (found["equal_tuning"] and (wave.still or tuning == "each")):
+        of_damper = plan.study.pto.law in DAMPERS
+        if sea in listed or (found["equal_tuning"] and (wave.still or (tuning == "each" and of_damper))):
             continue
         listed.add(sea)
         for row in found["comparison"]:
             if row["wave"] == wave.label:
                 power, gain, damping, width, *within = (_known(row.get(key)) for key in OF_RUNS)
-                yield Line(name, "", row["design"], sea, tuning, power, gain, damping, width, None, unit, *within)
+                under = tuning if of_damper else plan.study.pto.law
+                yield Line(name, "", row["design"], sea, under, power, gain, damping, width, None, unit, *within)
 
 
 OF_RUNS = ("power_mean", "power_gain_percent", "damping", "capture_width", "power_low", "power_high", "low", "high")

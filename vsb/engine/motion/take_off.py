@@ -257,6 +257,8 @@ LAWS = {
     "declutching": Law(has_latching_time=True),
     "causal": Law(words="the optimal causal controller"),
 }
+DAMPERS = ("linear", "saturated")
+"""Laws whose power is that of a damper; that of others is not what linear theory has of the damper."""
 if TYPE_CHECKING:
     LawName = str
 else:

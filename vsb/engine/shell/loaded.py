@@ -587,6 +587,7 @@ def viable_pressure(
     centre_height: float,
     water: Water,
     further: Callable[[LoadedShell], Sequence[Pencil]] = lambda _: (),
+    spare: float = 0.0,
 ) -> tuple[float, Buckling]:
     """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least 1, and the latter.
 
@@ -598,6 +599,8 @@ def viable_pressure(
     ----------
     further : callable
         Pencils of a loaded shell beside `buckling_pencil`, such as those of lobes; the `Buckling` is without them.
+    spare : float
+        Part of the stiffness without load that every shape keeps: with none the shell gives way without end [-].
     """
     empty = complete_shell(device, centre_height, water, 0.0)
     breathing = 2 * empty.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # fails at it
@@ -607,7 +610,7 @@ def viable_pressure(
 
     def least(pressure: float) -> float:
         share = pressure / highest
-        return min(
+        return -spare + min(
             float(eigh(k + (1 - share) * a + share * b, k, eigvals_only=True, subset_by_index=[0, 0])[0])
             for (k, a), (_, b) in zip(below, above, strict=True)
         )
