@@ -44,6 +44,16 @@ def test_what_is_there_costs_nothing(tmp_path):
     assert "6 of 8 jobs" in schedule.cost_line(plan, {})
 
 
+def test_many_shell_modes_cost_the_cube_of_their_number(tmp_path):
+    """Measured 61 CPU-seconds of degree 30 and two flexible designs in 509 frequencies, which were told as 28."""
+    costs_of = {}
+    for degree in (9, 30, 60):
+        plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": degree}), root=str(tmp_path))
+        costs_of[degree] = sum(task.seconds for task in plan.tasks if task.stage in ("ladder", "compare", "figures"))
+    assert costs_of[60] - costs_of[9] == pytest.approx(8 * (costs_of[30] - costs_of[9]), rel=0.1)
+    assert 5 < costs_of[30] - costs_of[9] < 40
+
+
 def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
     """Measured about 1.2 s of each, 0.2 with another spring alone; of an undeformed shape a tenth of that."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
