@@ -32,6 +32,14 @@ def test_order_of_batches_does_not_matter(held):
     assert one.attrs["reference"] == "FSB"
 
 
+def test_dampings_that_are_varied_stand_beside_those_of_the_results(tmp_path):
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)), {"pto.damping": [3e3, 1e4]})
+    parts = [stacked([made_up(one)], [one.id]) for one in plan.members]
+    ds = gathered(plan.campaign.spec, parts)
+    assert ds.pto_damping.values.tolist() == [3e3, 1e4]
+    assert ds.damping.dims[:3] == ("pto_damping", "design", "tuning")
+
+
 def test_intervals_of_gains_in_time_are_wider_by_the_errors_of_linear_theory(held):
     """-12 to -8 % by runs, and -1.5 to +2.5 points about the linear gain."""
     plan, found = held

@@ -27,9 +27,6 @@ from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy, is_body, located
 from vsb.study.campaign import (
     AT_FORCE,
-    GAIN_IN_TIME,
-    IN_TIME,
-    POWER_IN_TIME,
     Constrained,
     LoadedCampaign,
     Scatter,
@@ -70,16 +67,6 @@ from vsb.study.vary import Point
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
 """What a batch is to take at least, so that starting it, 2 s, does not count."""
-VARIABLES = (
-    "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
-    "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
-    "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
-    "force_of_damping", "damper_matrix", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
-    "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
-    "impossible_share", "occurrence", "flux_matrix", "annual_mean_power_low", "annual_mean_power_high",
-    *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
-)  # fmt: skip
-"""Names in the results that no varied key can have."""
 
 
 def _shared(one: "Member") -> tuple[Any, ...]:

@@ -35,7 +35,6 @@ from vsb.results.year import (
 )
 from vsb.study.body import BodyDesign
 from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Tunings, leading_tuning
-from vsb.study.design import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study, first_rigid
 from vsb.study.vary import MEMBER, PORT, unit
@@ -52,6 +51,16 @@ TABLE = (
 EFFICIENCY = "pto.efficiency"
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
+VARIABLES = (
+    "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
+    "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
+    "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
+    "force_of_damping", "damper_matrix", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
+    "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
+    "impossible_share", "occurrence", "flux_matrix", "annual_mean_power_low", "annual_mean_power_high",
+    *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
+)  # fmt: skip
+"""Names in the results that no varied key can have."""
 POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_IN_TIME, GAIN_IN_TIME))
 """Powers and gains of a year corrected by runs in time (`vsb.results.verification`)."""
 
