@@ -104,6 +104,11 @@ def test_second_run_remakes_only_what_is_lost(results):
     assert again == {"comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json", "manifest.json"}
 
 
+def test_a_path_is_no_study():
+    with pytest.raises(ConfigError, match=r"vsb.run: received 'buoy.yaml', needs what vsb.load, load_body or load_des"):
+        vsb.run("buoy.yaml")
+
+
 def test_study_that_cannot_run_leaves_nothing_behind(results, tmp_path):
     clamped = results.study.model_copy(update={"designs": {"none": vsb.Design(clamp=(0, 30, 60, 90, 120, 150, 180))}})
     with pytest.raises(ConfigError, match="clamp"):

@@ -1,9 +1,11 @@
 """Several studies side by side: table, answer, figure, page."""
 
+import re
+
 import numpy as np
 from browser import asked
 
-from vsb.report.side_by_side import Line, as_page, figure
+from vsb.report.side_by_side import Line, answer, as_page, as_text, figure
 
 RIGID = Line("soft", "", "FSB", "wave1", "each", 100.0, 0.0, 8e3, 1.5, None)
 SHELL = RIGID._replace(design="VSWEC", power_mean=90.0, gain_percent=-10.0, capture_width=1.35)
@@ -37,3 +39,14 @@ def test_page_works_in_a_browser_on_a_phone(tmp_path):
     errors, fits, first = asked(as_page((YEAR, RIGID, SHELL), REPORTS), script, tmp_path, 360)
     assert (errors, fits) == ([], True)
     assert first in ("-10.0", "+12.3")
+
+
+def test_gains_have_the_decimals_their_intervals_resolve():
+    """As on the page of the study: one gain is not -0.09 there and -0.1 here."""
+    text = as_text([RIGID, RIGID._replace(design="VSWEC", gain_percent=-0.0949, low=-0.1106, high=-0.0791)])
+    assert re.findall(r"VSWEC .* ([+-][0-9.]+) +([+-][0-9.]+) +([+-][0-9.]+) ", text) == [("-0.09", "-0.11", "-0.08")]
+
+
+def test_power_under_a_law_is_named():
+    text = answer([YEAR._replace(tuning="latching", gain_percent=None)])
+    assert text == "Most power in year, scale 4, buoy: design VSWEC absorbs 2000 W (under the law latching)."

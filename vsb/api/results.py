@@ -80,6 +80,8 @@ def run(
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
+    if not isinstance(study, Study | LocatedBody | LoadedDesign):
+        raise ConfigError(f"vsb.run: received {study!r}, needs what vsb.load, load_body or load_design returns")
     if quiet is None:
         quiet = not (sys.stderr.isatty() or "ipykernel" in sys.modules)
     if isinstance(study, LoadedDesign):

@@ -77,7 +77,7 @@ def as_text(lines: Sequence[Line]) -> str:
 
 def _table(lines: Sequence[Line]) -> list[list[str]]:
     """Heads and cells of a table; the unit of dampers stands in their head, in a column where there are several."""
-    cells = [list(COLUMNS.values()), *([_cell(getattr(line, field), field) for field in COLUMNS] for line in lines)]
+    cells = [list(COLUMNS.values()), *([_cell(line, field) for field in COLUMNS] for line in lines)]
     if len(units := {line.damping_unit for line in lines}) == 1:
         cells = [row[:-1] for row in cells]
         cells[0][list(COLUMNS).index("damping")] = f"damping [{superscripts(units.pop())}]"
@@ -91,13 +91,14 @@ def _shown(lines: Sequence[Line]) -> list[Line]:
     return [line for line in lines if line.point in first[line.study]]
 
 
-def _cell(value: str | float | None, field: str) -> str:
-    """A value as a table shows it."""
+def _cell(line: Line, field: str) -> str:
+    """A value of a line as a table shows it; gains to the decimals their interval resolves."""
+    value = getattr(line, field)
     if value is None:
         return "-"
     if isinstance(value, str):
         return value
-    return f"{value:+z.1f}" if field in GAINS else plain(value)
+    return f"{value:+z.{gain_decimals(line.low, line.high)}f}" if field in GAINS else plain(value)
 
 
 def as_csv(lines: Sequence[Line]) -> str:
