@@ -53,8 +53,9 @@ class Rational:
         apart = omega[:, None] - self.support
         upper = self.weights / np.where(apart == 0.0, 1e-290, apart)
         lower = -self.weights.conj() / (omega[:, None] + self.support)
-        total = upper.sum(axis=1) + lower.sum(axis=1)
-        return np.asarray((upper @ self.values + lower @ self.values.conj()) / total[:, None])
+        share = np.concatenate([upper, lower], axis=1)
+        share /= share.sum(axis=1, keepdims=True)
+        return np.asarray(share @ np.concatenate([self.values, self.values.conj()]))
 
     @property
     def at_infinity(self) -> FloatArray:
