@@ -177,21 +177,6 @@ def linear_latching_time(scene: Scene, sea: Sea, settings: Simulation) -> Latchi
     return _searched(search, scene, sea, settings)[1]
 
 
-def linear_damper_and_time(
-    scene: Scene, sea: Sea, settings: Simulation, dampers: Sequence[float]
-) -> tuple[float, LatchingTime]:
-    """Return damper [N s/m] and latching time at which the take-off of a linear scene absorbs most in a sea.
-
-    Parameters
-    ----------
-    scene, sea, settings
-        See `linear_latching_time`.
-    dampers : sequence of float
-        Tried first, ascending.
-    """
-    return _searched(lambda power: best_damper_and_time(power, dampers, longest_time(sea)), scene, sea, settings)
-
-
 def _searched(
     search: Callable[[Power], tuple[float, LatchingTime]], scene: Scene, sea: Sea, settings: Simulation
 ) -> tuple[float, LatchingTime]:
@@ -406,7 +391,9 @@ def _latched(
     impedance = floating.port(np.array([strongest(sea)]), motions, direction).impedance
     least = max(float(impedance.real[0]), LIGHTEST * alone)
     tried = [float(damping) for damping in np.geomspace(min(least, alone), max(least, alone), 3)]
-    damper, best = linear_damper_and_time(linear, sea, run.simulation, tried)
+    damper, best = _searched(
+        lambda power: best_damper_and_time(power, tried, longest_time(sea)), linear, sea, run.simulation
+    )
     return damper, best, {TUNED: damper}
 
 

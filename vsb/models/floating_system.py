@@ -210,27 +210,20 @@ def floating_system(
     system = study.system if isinstance(study, SystemSpec) else study
     if isinstance(system, BodyStudy | BodySystem):
         return floating_body(system, stored_body(database_path))
-    return _floating_buoy(system, database_path, highest)
-
-
-# a buoy -------------------------------------------------------------------------------------------------------------
-
-
-def _floating_buoy(study: AnyBuoy, database_path: str, highest: int) -> FloatingSystem:
-    """The buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it."""
+    # the buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
-    modes = study.modes
-    basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
-    shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
-    ds, shape = stored_with_rings(study, ds, shape, highest)
+    modes = system.modes
+    basis = mode_basis(system.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(system.device)
+    shape = DeformedShell(basis, system.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
+    ds, shape = stored_with_rings(system, ds, shape, highest)
     basis = shape.basis
-    orders = order_bases(study, basis)
-    port = port_direction(study.pto.port, shape, orders)
-    damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell
+    orders = order_bases(system, basis)
+    port = port_direction(system.pto.port, shape, orders)
+    damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), system.device.damping.maxwell
     buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())
-    motions = {design: design_motions(study, basis, design) for design in study.designs}
-    linear = with_open_chamber(buoy, port) if study.opens_chamber else buoy
+    motions = {design: design_motions(system, basis, design) for design in system.designs}
+    linear = with_open_chamber(buoy, port) if system.opens_chamber else buoy
     return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape)
 
 

@@ -462,17 +462,6 @@ def ring_loads(study: AnyBuoy) -> tuple[Load, ...]:
     return tuple(dict.fromkeys(load for load in found if load.moves))
 
 
-def order_loads(study: AnyBuoy) -> tuple[RingLoad, ...]:
-    """Return the loads at rings of all designs and take-off that go with cos(m theta), m >= 1, each once.
-
-    A clamp holds a ring also around the axis; a port between two points of a meridian pulls at them in its plane.
-    """
-    found = [way(angle) for angle in _clamps(study) for way in (normal_to_wall, along_wall, around_axis)]
-    between = [port for port in study.pto.single_ports if isinstance(port, BetweenPort)]
-    found += [load for port in between for load in _of_port(port) if isinstance(load, RingLoad) and load.moves]
-    return tuple(dict.fromkeys(found))
-
-
 def _clamps(study: AnyBuoy) -> list[float]:
     """Colatitudes of the clamps of all designs [rad]."""
     return [float(np.deg2rad(at)) for at in sorted({at for one in study.designs.values() for at in one.clamp})]
@@ -520,7 +509,11 @@ def with_rings(
     if highest <= max(above, 1):
         return reference
     rings = attachment_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
-    further = order_loads(study)
+    # the loads at rings of all designs and take-off that go with cos(m theta), m >= 1, each once
+    found = [way(angle) for angle in _clamps(study) for way in (normal_to_wall, along_wall, around_axis)]
+    between = [port for port in study.pto.single_ports if isinstance(port, BetweenPort)]
+    found += [load for port in between for load in _of_port(port) if isinstance(load, RingLoad) and load.moves]
+    further = tuple(dict.fromkeys(found))
     orders = range(1, 1 + (study.modes.order if study.motion != "heave" and further else 0))
     tension = _tension(study, reference, further)
     whole = replace(

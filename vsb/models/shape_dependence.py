@@ -132,14 +132,6 @@ def mean_power(buoy: LinearSystem, c: Coefficients, waves: Sea, motions: FloatAr
     return waves.mean_of(buoy.absorbed_power(waves.omega, rao))
 
 
-def passed_shapes(buoy: LinearSystem, waves: Sea, motions: FloatArray, duration: float) -> FloatArray:
-    """Return amplitudes of the linear motion at `INSTANTS` of a period or run, shape (instant, dof) [m]."""
-    span = 2 * np.pi / waves.omega[0] if len(waves.omega) == 1 else duration
-    time = np.arange(INSTANTS) / INSTANTS * span
-    phasors = waves.amplitude[:, None] * buoy.rao(waves.omega, motions)
-    return np.asarray((np.exp(-1j * np.outer(time, waves.omega)) @ phasors).real)
-
-
 @dataclass(frozen=True)
 class StudyMotion:
     """The linear motion of every design of a study in each of its seas."""
@@ -164,7 +156,11 @@ class StudyMotion:
     def shapes(self, design: str, wave: str) -> FloatArray:
         """Amplitudes passed through, shape (instant, dof) [m]."""
         waves, motions = self.runs[design, wave]
-        return passed_shapes(self.buoy, waves, motions, self.study.simulation.duration)
+        # amplitudes of the linear motion at `INSTANTS` of a period or run, shape (instant, dof) [m]
+        span = 2 * np.pi / waves.omega[0] if len(waves.omega) == 1 else self.study.simulation.duration
+        time = np.arange(INSTANTS) / INSTANTS * span
+        phasors = waves.amplitude[:, None] * self.buoy.rao(waves.omega, motions)
+        return np.asarray((np.exp(-1j * np.outer(time, waves.omega)) @ phasors).real)
 
     @cached_property
     def reach(self) -> FloatArray:

@@ -115,7 +115,7 @@ def latching_seconds(study: BaseStudy, wave: Wave) -> float:
     """Return the CPU time of the search for the latching time of one design in a sea [s]; with its damping twice."""
     if not study.pto.has_latching_time or wave.still:
         return 0.0
-    regular, wet = wave.regular, study.buoy is not None and study.buoy.hydro.model != "linear"
+    regular, wet = wave.regular, bool(study.hydro.model != "linear")
     costs = LATCHING_TIME_SECONDS if regular else LATCHED_SECONDS
     each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
     return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
@@ -151,7 +151,7 @@ def ladder_seconds(study: BaseStudy) -> float:
 
 def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
-    once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
+    once, each = RUN_SECONDS[study.hydro.model]
     seas = 2.0 if wave.irregular else 1.0  # of many components
     if study.buoy and study.buoy.hydro.model == "body_exact":
         seas *= _of_wall(study.buoy, flexible=flexible)

@@ -282,7 +282,7 @@ def member(
         Rigid designs of earlier members; added to.
     """
     study = rest.study
-    limits, compared = limits_of(radius_of(study)), study.reference_design is not None
+    limits, compared = limits_of(study.radius), study.reference_design is not None
     names = (*(named_ports(study.pto) or ("shell",)),) if study.pto.several else ()
     blank = _blank(tuple(study.designs), tuple(tunings), climate, limits, compared, names)
     found = {name: (dims, values.copy()) for name, (dims, values) in _variables(blank).items()}
@@ -315,11 +315,6 @@ def member(
 def _variables(ds: xr.Dataset) -> Values:
     """Dimensions and values of the variables of a dataset."""
     return {str(name): (tuple(map(str, ds.variables[name].dims)), ds.variables[name].values) for name in ds.data_vars}
-
-
-def radius_of(study: Study | AnyBody) -> float | None:
-    """Return the radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
-    return study.buoy.device.radius if study.buoy else None
 
 
 @lru_cache(maxsize=4)
@@ -421,7 +416,7 @@ class DampedYears:
         parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
         pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
         given = given_damper(pto, design, waves.port.velocity.shape[1:])
-        numbers = (pto.stiffness, pto.efficiency, radius_of(study) or 0.0, water.density, water.depth, water.gravity)
+        numbers = (pto.stiffness, pto.efficiency, study.radius or 0.0, water.density, water.depth, water.gravity)
         damper = np.asarray(0.0 if given is None else given)
         return b"".join(part.tobytes() for part in (*parts, damper, np.array(numbers))) + matrix_kind(pto).encode()
 
@@ -436,7 +431,7 @@ class DampedYears:
             dampers, chosen, _ = of.absorbed[design, tuning]
             return motion_rms(waves[design], self.climate, dampers, chosen, study.pto.stiffness)
 
-        found = {**of.values, **beyond_validity(of, motions, radius_of(study))}
+        found = {**of.values, **beyond_validity(of, motions, study.radius)}
         if not study.pto.several:
             return {**found, **self._curves(ports, of, study.pto.efficiency)}
         means = [[of.absorbed[one, t].mean_damper(self.climate.hours) for t in self.tunings] for one in of.designs]

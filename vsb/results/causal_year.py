@@ -237,7 +237,7 @@ def _values(
 ) -> Values:
     """Powers, forces and motions of the years of schedules."""
     bins = bins_of(climate)
-    density, radius = bins.mean_densities(climate), study.buoy.device.radius if study.buoy else None
+    density = bins.mean_densities(climate)
     columns: dict[str, list[list[float | FloatArray]]] = {}
     for design, one in waves.items():
         rows = density @ band_weights(one.port.omega, climate)
@@ -249,7 +249,7 @@ def _values(
             )
             moved = {name: bins.matrix(rms) for name, rms in _motion_rms(one, own, rows).items()}
             means = float((bins.share * power).sum()), float((bins.share * error).sum())
-            column = year_of_bins(climate, study.water, power, *means, moved, radius)
+            column = year_of_bins(climate, study.water, power, *means, moved, study.radius)
             if not study.pto.several:
                 force = float(np.sqrt((bins.share * square).sum()))
                 column |= {"force_rms": force, "damping": np.zeros(bins.shape)}

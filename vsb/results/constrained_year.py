@@ -27,7 +27,7 @@ from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, StabilityError, VsbError
 from vsb.models.floating_system import AnyBody, Floating, InWaves
 from vsb.results.budget import LeftOut
-from vsb.results.campaign import OF_LIMITS, radius_of
+from vsb.results.campaign import OF_LIMITS
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of, year_of_bins
 from vsb.study.campaign import CONSTRAINED
@@ -320,7 +320,7 @@ def constrained_dataset(
     for i, (design, one) in enumerate(years.items()):
         mean, low, high = one.annual_mean_power
         moved = {name: one.matrix(values) for name, values in _motion_rms(one, waves[design].motion).items()}
-        of_year = year_of_bins(climate, study.water, one.power_matrix, mean, (high - low) / 2, moved, radius_of(study))
+        of_year = year_of_bins(climate, study.water, one.power_matrix, mean, (high - low) / 2, moved, study.radius)
         column: dict[str, float | FloatArray] = {
             **of_year,
             "force_rms": one.force_rms,

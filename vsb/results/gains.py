@@ -173,7 +173,7 @@ def _levels_in_time(study: BaseStudy, means: MeanPowers, runs: Attributes) -> di
     found = {}
     for (design, label), mean in means.items():
         if not is_linear(study, runs[design, label]):
-            found[LEVELS[study.tuning(seas[label])], design, _sea(seas[label])] = mean
+            found[LEVELS[study.tuning(seas[label])], design, seas[label].family] = mean
     return found
 
 
@@ -226,16 +226,11 @@ def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float |
 
 def _by_sea(study: BaseStudy, levels: Sequence[ControlLevel]) -> dict[str, list[ControlLevel]]:
     """Levels by the name of their sea, one for all realisations."""
-    seas = {wave.label: _sea(wave) for wave in study.waves}
+    seas = {wave.label: wave.family for wave in study.waves}
     found: dict[str, list[ControlLevel]] = {}
     for one in levels:
         found.setdefault(seas[one.wave], []).append(one)
     return found
-
-
-def _sea(wave: Wave) -> str:
-    """Name of a sea, one for all realisations."""
-    return wave.family
 
 
 def _means(levels: Sequence[ControlLevel], level: str) -> dict[str, tuple[float | None, float]]:
@@ -320,7 +315,7 @@ def linearisation(
             if design != reference and there is not None and mean.gain is not None:
                 away = Budget((Source.towards(LINEARISATION, mean.gain - there),))
                 of_gain = away + _sampled(mean.gain_errors)
-            found[design, _sea(wave)] = Beyond(of_power, of_gain)
+            found[design, wave.family] = Beyond(of_power, of_gain)
     return found
 
 

@@ -448,8 +448,8 @@ def sea_checks(
             linear = "over 10 000 wave periods" if study.needs_bem and wave.label != "still" else "over the run"
             text, drift = f"largest slip of the shell at its clamps {linear}", run.attrs["constraint_drift"]
             checks.append(check_at_most("constraint_drift", drift, 1e-9, "m", text, design=design, wave=wave.label))
-    if study.buoy and study.buoy.hydro.model == "auto":
-        checks += simplification_checks(study.buoy, wave, runs)
+    if study.hydro.model == "auto":
+        checks += simplification_checks(study, wave, runs)
     return checks
 
 
@@ -519,7 +519,7 @@ def body_motion_checks(study: BaseStudy, database: xr.Dataset, run: xr.Dataset) 
     return checks
 
 
-def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
+def simplification_checks(study: BaseStudy, wave: Wave, runs: Runs) -> list[Check]:
     """Return the errors of powers and gains by what the automatic model leaves out in a sea."""
     limit, checks, errors = study.hydro.power_tolerance or POWER_TOLERANCE, [], {}
     for design in study.designs:

@@ -8,7 +8,6 @@ from typing import Any
 
 from vsb.engine.motion.take_off import DAMPERS, port_kind
 from vsb.engine.waves.climate import YEAR_HOURS
-from vsb.engine.waves.kinds import Wave
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import AnyPlan
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of
@@ -41,7 +40,7 @@ def left_out(plans: Sequence[AnyPlan | CampaignPlan], found: Sequence[Line]) -> 
         else:
             seas, designs = ({getattr(line, key) for line in own} for key in ("sea", "design"))
             parts = {
-                "sea": [sea for sea in dict.fromkeys(map(_sea, plan.study.waves)) if sea not in seas],
+                "sea": [sea for sea in dict.fromkeys(wave.family for wave in plan.study.waves) if sea not in seas],
                 "design": [design for design in plan.study.designs if design not in designs],
             }
         words = [f"{kind} {', '.join(names)}" for kind, names in parts.items() if names]
@@ -66,7 +65,7 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
         yield Line(name, "", row["design"], row["sea"], "each", *numbers, *ends)
     listed: set[str] = set()
     for wave in plan.study.waves:
-        tuning, sea = plan.study.tuning(wave), _sea(wave)
+        tuning, sea = plan.study.tuning(wave), wave.family  # one for all realisations, which have one mean power
         of_damper = plan.study.pto.law in DAMPERS
         if sea in listed or (found["equal_tuning"] and (wave.still or (tuning == "each" and of_damper))):
             continue
@@ -84,17 +83,12 @@ OF_RUNS = ("power_mean", "power_gain_percent", "damping", "capture_width", "powe
 
 def _width(plan: AnyPlan, found: dict[str, list[dict[str, Any]]], row: dict[str, Any]) -> float | None:
     """Capture width at the best damper, by the energy flux of the sea: that of the runs, over their power."""
-    labels = {wave.label for wave in plan.study.waves if _sea(wave) == row["sea"]}
+    labels = {wave.label for wave in plan.study.waves if wave.family == row["sea"]}
     for run in found["comparison"]:
         if run["design"] == row["design"] and run["wave"] in labels:
             power, width = _known(run["power_mean"]), _known(run["capture_width"])
             return row["best_power"] * width / power if power and width else None
     return None
-
-
-def _sea(wave: Wave) -> str:
-    """Name of a sea, one for all realisations, which have one mean power."""
-    return wave.family
 
 
 def _of_year(plan: CampaignPlan) -> Iterator[Line]:

@@ -97,6 +97,11 @@ class WithDesigns(Section):
         """What brakes each degree of freedom that quadratic drag acts on."""
         return self.drag.plates if isinstance(self.drag, Drag) else self.drag or {}
 
+    @property
+    def radius(self) -> float | None:
+        """Radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
+        return None
+
 
 class BaseStudy(WithDesigns):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
@@ -299,6 +304,11 @@ class Buoy(WithDesigns):
         designs: Mapping[str, Design]
         pto: Pto
         reference_shape: RestShape | None
+
+    @property
+    def radius(self) -> float:
+        """Radius of the buoy [m]."""
+        return self.device.radius
 
     @property
     def centre_height(self) -> float:

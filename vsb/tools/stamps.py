@@ -10,14 +10,11 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from vsb.errors import DatabaseError
 from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp, check_file, locked, reason_of, write_text
 from vsb.tools.words import csv_text, shortened
-
-if TYPE_CHECKING:
-    pass
 
 MANIFEST = "manifest.json"
 _BEGINNINGS = {

@@ -52,13 +52,6 @@ def free_free_shape(n: int, s: FloatArray) -> tuple[FloatArray, FloatArray]:
     return (np.sin(k * s) / np.sin(k) + with_difference) / 2, k * (np.cos(k * s) / np.sin(k) + with_sum) / 2
 
 
-def free_free_curvature(n: int, s: FloatArray) -> FloatArray:
-    """Return the second derivative of `free_free_shape`: of its circular part it has the opposite sign."""
-    k = free_free_root(n)
-    circular = np.cos(k * s) / np.cos(k) if n % 2 else np.sin(k * s) / np.sin(k)
-    return np.asarray(k**2 * (free_free_shape(n, s)[0] - circular))
-
-
 class Shape(NamedTuple):
     """W along an axis and its derivatives."""
 
@@ -145,7 +138,10 @@ def _along(line: Line, label: str, n: int, hull: Hull) -> LineMode:
         if not label.startswith("Bending"):
             return Shape(polynomial(s), polynomial.deriv()(s) / half, polynomial.deriv(2)(s) / half**2)
         rise, slope = free_free_shape(n, s)
-        return Shape(rise, slope / half, free_free_curvature(n, s) / half**2)
+        # the second derivative of `free_free_shape`: of its circular part it has the opposite sign
+        k = free_free_root(n)
+        circular = np.cos(k * s) / np.cos(k) if n % 2 else np.sin(k * s) / np.sin(k)
+        return Shape(rise, slope / half, np.asarray(k**2 * (free_free_shape(n, s)[0] - circular)) / half**2)
 
     mean = float(hull.shares @ whole(hull.points[:, axis]).rise)
 
