@@ -45,16 +45,6 @@ def samples(model, omega=OMEGA, noise=0.0, **changes):
     return replace(made, **changes)
 
 
-def narrow(seed=7):
-    """A body's memory, and one of its motions coupled to a gap whose water swings with hardly any damping."""
-    one = reciprocal(8, 3, 3, seed)
-    gap = np.array([[0.0, 2.2], [-2.2, -5e-3]])
-    g = np.vstack([one.input_matrix, [[0.0, 0.0, 0.0], [0.3, 0.0, 0.2]]])
-    a = np.block([[one.state_matrix, np.zeros((8, 2))], [np.zeros((2, 8)), gap]])
-    channel = np.block([[one.channel, np.zeros((8, 1))], [np.zeros((2, 3)), np.array([[0.0], [0.1]])]])
-    return RadiationModel(a, g, channel)
-
-
 def is_passive(model):
     """Whether a Hamiltonian matrix proves a model's damping, scaled, nowhere negative."""
     scale = np.linalg.norm(model.input_matrix, axis=0)
@@ -177,7 +167,13 @@ class TestHardCases:
 
     def test_narrow_resonance_of_a_gap_is_fitted(self):
         fine = np.union1d(OMEGA, np.linspace(2.1, 2.3, 41))
-        fit = fit_passive(samples(narrow(), fine), 1e-3)
+        # a body's memory, and one of its motions coupled to a gap whose water swings with hardly any damping
+        one = reciprocal(8, 3, 3, 7)
+        gap = np.array([[0.0, 2.2], [-2.2, -5e-3]])
+        g = np.vstack([one.input_matrix, [[0.0, 0.0, 0.0], [0.3, 0.0, 0.2]]])
+        a = np.block([[one.state_matrix, np.zeros((8, 2))], [np.zeros((2, 8)), gap]])
+        channel = np.block([[one.channel, np.zeros((8, 1))], [np.zeros((2, 3)), np.array([[0.0], [0.1]])]])
+        fit = fit_passive(samples(RadiationModel(a, g, channel), fine), 1e-3)
         assert fit.error < 1e-3
         slowest = np.linalg.eigvals(fit.model.state_matrix)
         assert np.abs(slowest - (-2.5e-3 + 2.2j)).min() < 1e-3
@@ -261,21 +257,17 @@ def test_balanced_truncation_is_off_by_twice_the_other_singular_values_at_most()
     assert left.T @ right == pytest.approx(np.eye(12), abs=1e-8)
     system = balanced.truncated(12)
     assert system.transfer(OMEGA) == pytest.approx(whole.transfer(OMEGA), abs=1e-9)
-    hankel = hankel_values(system)
-    for order in range(2, 12, 2):
-        missed = np.linalg.norm(balanced.truncated(order).transfer(OMEGA) - whole.transfer(OMEGA), 2, axis=(1, 2)).max()
-        assert missed <= 2 * hankel[order:].sum() + 1e-9
-        assert missed > 1e-3 * hankel[order]
-
-
-def hankel_values(system):
-    """Roots of the eigenvalues of the Gramians' product, by their integrals' linear equations, descending."""
+    # roots of the eigenvalues of the Gramians' product, by their integrals' linear equations, descending
     a, b, c = system
     n = len(a)
     one = np.kron(a, np.eye(n)) + np.kron(np.eye(n), a)
     two = np.kron(a.T, np.eye(n)) + np.kron(np.eye(n), a.T)
     reached, seen = (np.linalg.solve(m, -q.ravel()).reshape(n, n) for m, q in ((one, b @ b.T), (two, c.T @ c)))
-    return np.sort(np.sqrt(np.linalg.eigvals(reached @ seen).real))[::-1]
+    hankel = np.sort(np.sqrt(np.linalg.eigvals(reached @ seen).real))[::-1]
+    for order in range(2, 12, 2):
+        missed = np.linalg.norm(balanced.truncated(order).transfer(OMEGA) - whole.transfer(OMEGA), 2, axis=(1, 2)).max()
+        assert missed <= 2 * hankel[order:].sum() + 1e-9
+        assert missed > 1e-3 * hankel[order]
 
 
 def dissipative(order, channels, dof, seed):

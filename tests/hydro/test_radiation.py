@@ -72,18 +72,14 @@ def test_damping_beyond_the_band_falls_as_its_cube(omega):
     assert cut.kernel(np.zeros(1))[0, 0, 0] == pytest.approx(2 / np.pi * whole, abs=1e-6)
 
 
-def chain(order: int, dof: int, seed: int) -> RadiationModel:
-    """A random passive single-channel model."""
-    rng = np.random.default_rng(seed)
-    skew = rng.normal(size=(order, order))
-    channel = rng.normal(size=order)
-    return RadiationModel(skew - skew.T - 0.5 * np.outer(channel, channel), rng.normal(size=(order, dof)), channel)
-
-
 @settings(max_examples=30)
 @given(st.integers(2, 8), st.integers(1, 4), st.integers(0, 10**6))
 def test_random_chain_is_passive_with_one_channel(order, dof, seed):
-    model = chain(order, dof, seed)
+    # a random passive single-channel model
+    rng = np.random.default_rng(seed)
+    skew = rng.normal(size=(order, order))
+    channel = rng.normal(size=order)
+    model = RadiationModel(skew - skew.T - 0.5 * np.outer(channel, channel), rng.normal(size=(order, dof)), channel)
     omega = np.linspace(0.0, 20.0, 101)
     transfer = model.transfer(omega)
     hermitian = 0.5 * (transfer + transfer.conj().transpose(0, 2, 1))

@@ -33,10 +33,6 @@ def by_panels(shapes, rows=ROWS):
     return [witness_runs((mesh(s, 1), mesh(s, 2)), BASIS, WAVES) for s in shapes]
 
 
-def by_spectral(shapes):
-    return [witness.spectral_runs(s.shell, BASIS, WAVES) for s in shapes]
-
-
 @pytest.fixture(scope="module")
 def shapes():
     return deformed_shapes(floating_system(), [MODE], np.inf)
@@ -49,7 +45,7 @@ def panels(shapes):
 
 @pytest.fixture(scope="module")
 def spectral(shapes):
-    return by_spectral(shapes)
+    return [witness.spectral_runs(s.shell, BASIS, WAVES) for s in shapes]
 
 
 @pytest.fixture(scope="module")

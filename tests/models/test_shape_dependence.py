@@ -136,17 +136,6 @@ def test_power_at_rest_is_that_of_the_equilibrium_shape(dataset, small, referenc
     assert float(fsb.power_at_rest) == pytest.approx(float(fsb.power_at_reference), rel=1e-9)
 
 
-def with_powers(dataset, passed, rest):
-    """The data set with other powers of one run, in terms of that of the reference shape."""
-    run = dataset.isel(design=[1], wave=[0])
-    phase = np.sin(2 * np.pi * np.arange(INSTANTS) / INSTANTS)
-    power = run.power_at_reference.values[0, 0]
-    return run.assign(
-        power_at_shape=(run.power_at_shape.dims, power * (1 + passed * phase)[None, None]),
-        power_at_rest=(run.power_at_rest.dims, [[power * (1 + rest)]]),
-    )
-
-
 @pytest.mark.parametrize(
     ("passed", "rest", "verdict"),
     [
@@ -156,7 +145,14 @@ def with_powers(dataset, passed, rest):
     ],
 )
 def test_verdict_on_shape_dependence(passed, rest, verdict, dataset):
-    ds = with_powers(dataset, passed, rest)
+    # the data set with other powers of one run, in terms of that of the reference shape
+    run = dataset.isel(design=[1], wave=[0])
+    phase = np.sin(2 * np.pi * np.arange(INSTANTS) / INSTANTS)
+    power = run.power_at_reference.values[0, 0]
+    ds = run.assign(
+        power_at_shape=(run.power_at_shape.dims, power * (1 + passed * phase)[None, None]),
+        power_at_rest=(run.power_at_rest.dims, [[power * (1 + rest)]]),
+    )
     line = answer(ds, "seed")
     assert line.startswith(f"seed: the shape dependence {verdict} (limit 1 % of mean power): VSWEC, regular")
     assert f"changes by {-100 * passed:+.2g} to {100 * passed:+.2g} % by the shapes of the motion" in line

@@ -134,18 +134,13 @@ def oscillator(omega):
     return Port(omega, y, y * (1.0 + 0.3j) * np.exp(-omega / 2), 1 / 3)
 
 
-def sea_of_period(rng, spacing=0.05):
-    """A periodic sea."""
-    omega = spacing * np.arange(12, 30)
-    return Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) * np.exp(2j * np.pi * rng.uniform(size=len(omega))))
-
-
 def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_limits():
     """Dampers whose force and stroke stay within the limits over the whole period of the sea."""
     time = np.linspace(0.0, 2 * np.pi / 0.05, 4001)
     for number in (0, 2):
         rng = np.random.default_rng(number)
-        waves = sea_of_period(rng)
+        omega = 0.05 * np.arange(12, 30)
+        waves = Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) * np.exp(2j * np.pi * rng.uniform(size=len(omega))))
         port, within, turning = oscillator(waves.omega), [], np.exp(-1j * np.outer(time, waves.omega))
         free = np.abs((turning @ (port.velocity * waves.amplitude / (-1j * waves.omega))).real).max()
         limits = Limits(0.3 * rng.uniform(0.5, 2.0), 1.02 * free)

@@ -35,11 +35,6 @@ def run_of(power, time):
     return xr.Dataset({"energy": (("time", "term"), energy[:, None])}, coords={"time": time, "term": ["pto"]})
 
 
-def resonator(omega, natural=1.6, ratio=0.05):
-    """Velocity per unit wave amplitude of a lightly damped resonator."""
-    return -1j * omega / (natural**2 - omega**2 - 2j * ratio * natural * omega)
-
-
 MADE = {"FSB": (1.6, 0.05, 1.0), "VSWEC": (1.8, 0.08, 1.3)}
 """Natural frequency [rad/s], damping ratio and take-off damping of resonators in place of designs."""
 LAWS = {"linear": lambda c, v: c * v**2, "coulomb": lambda c, v: 0.3 * c * np.abs(v)}
@@ -54,7 +49,7 @@ def made(study, wave, law):
     steps = int(np.ceil(seastatistics.INSTANTS * waves.omega.max() * (window[1] - window[0]) / count / (2 * np.pi)))
     found = {}
     for name, (natural, ratio, damper) in MADE.items():
-        transfer = resonator(waves.omega, natural, ratio)
+        transfer = -1j * waves.omega / (natural**2 - waves.omega**2 - 2j * ratio * natural * waves.omega)
         speed = superposed(waves.omega, (transfer * waves.amplitude)[:, None], np.linspace(*window, count * steps + 1))
         batches = LAWS[law](damper, speed[:-1, 0]).reshape(count, steps).mean(axis=1)
         alike = linear_batches(waves.omega, np.sqrt(damper) * (transfer * waves.amplitude)[:, None], window, count)

@@ -298,11 +298,6 @@ RANDOM = {
 }
 
 
-def constant(pressure):
-    """Energy of what is inside under constant pressure, by the volume."""
-    return lambda volume: -pressure * volume
-
-
 def trapped(pressure, gas=GAS):
     """The same of gas that obeys p V^1.4 = const., pressures with that of the air."""
     whole, air, first = gas.atmospheric_pressure + pressure, gas.atmospheric_pressure, 4 / 3 * np.pi * RADIUS**3
@@ -336,7 +331,7 @@ def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law, kind):
     shell, gas = rubber_shell(of(*moduli), thickness=thickness), GAS if kind == "gas" else None
     loaded = buoy(shell.law, pressure, degree, thickness, gas)
     free = ring_held(random.uniform(40.0, 140.0), degree) if kind == "held" else np.eye(2 * degree + 1)
-    inside = trapped(pressure) if gas else constant(pressure)
+    inside = trapped(pressure) if gas else (lambda volume: -pressure * volume)
 
     def total(x):
         return own_energy(free @ x, lambda a, b: energy(a, b, moduli), shell, mass, inside, degree)

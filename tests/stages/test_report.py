@@ -155,12 +155,7 @@ def test_spectra_of_irregular_seas_have_their_significant_height(seed):
 def animation(small):
     paths = {**small.hydro_files, "response": small.response.out, "modes": f"{small.folder}/modes.nc"}
     inputs = Inputs(small.study, f"{small.folder}/trajectories", paths)
-    return animated_study(inputs, words(small.study))
-
-
-def words(study):
-    """Every sea in words."""
-    return {wave.label: wave.description for wave in study.waves}
+    return animated_study(inputs, {wave.label: wave.description for wave in small.study.waves})
 
 
 def test_animation_shows_the_motion_of_the_runs(small, animation):

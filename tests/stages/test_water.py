@@ -193,7 +193,10 @@ def test_coefficients_too_coarse_for_a_check_are_solved_again(tmp_path):
 
     Haskind's relation then fails; ten times finer it holds a hundred times better, and the history says so.
     """
-    plan = StudyPlan(load_study(written_study(tmp_path, GENT)), root=str(tmp_path))
+    # the path of a study file with a text
+    path = tmp_path / "study.yaml"
+    path.write_text(GENT)
+    plan = StudyPlan(load_study(path), root=str(tmp_path))
     make(plan, [plan.database.out])
     ds = load(plan.database.out)
     assert re.search(r"solved again to 0.1 of the tolerance: haskind 0.07\d+ became 0.000\d+$", ds.attrs["history"])
@@ -212,13 +215,6 @@ hydro: {tolerance: 1.0e-3, omega_max: 21.1, witness: none}
 pto: {damping: 73.0}
 waves: [{kind: still}]
 """
-
-
-def written_study(folder, text):
-    """The path of a study file with a text."""
-    path = folder / "study.yaml"
-    path.write_text(text)
-    return path
 
 
 @pytest.mark.slow

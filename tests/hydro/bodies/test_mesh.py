@@ -15,10 +15,6 @@ from vsb.errors import ConfigError
 LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
 
 
-def heaving(vertices, faces):
-    return made(vertices, faces, rigid(vertices)[2:3], ("Heave",))
-
-
 # Values and rigid motions
 
 
@@ -78,7 +74,7 @@ def test_half_or_quarter_of_a_body_is_refused(cut, where):
     vertices, faces = box(4.0, 2.0, 1.0, 1)
     kept = (vertices[faces][..., list(cut)] >= -1e-9).all(axis=(1, 2))
     with pytest.raises(ConfigError, match=f"^mesh: open along {where}, where .* symmetry flags of its file"):
-        heaving(vertices, faces[kept])
+        made(vertices, faces[kept], rigid(vertices)[2:3], ("Heave",))
 
 
 # Clipping

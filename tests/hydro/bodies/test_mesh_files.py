@@ -283,17 +283,13 @@ def test_a_hull_drawn_along_any_axis_from_any_origin_is_set_upright_at_its_draft
     assert f"from -{T:.3g} to 0 m above still water" in body.history
 
 
-def plate(points, twice):
-    """A disc without thickness around the keel, its panels given once or on both sides."""
-    outer = points[2 * N :] * [2.0, 2.0, 1.0]
-    quads = [[2 * N + j, 2 * N + (j + 1) % N, 3 * N + (j + 1) % N, 3 * N + j] for j in range(N)]
-    return np.concatenate([points, outer]), quads + [quad[::-1] for quad in quads if twice]
-
-
 @pytest.mark.parametrize("twice", [False, True])
 def test_a_plate_without_thickness_is_named_before_the_edges_it_leaves_open(tmp_path, twice):
     points, side, keel = cylinder()
-    points, disc = plate(points, twice)
+    # a disc without thickness around the keel, its panels given once or on both sides
+    outer = points[2 * N :] * [2.0, 2.0, 1.0]
+    quads = [[2 * N + j, 2 * N + (j + 1) % N, 3 * N + (j + 1) % N, 3 * N + j] for j in range(N)]
+    points, disc = np.concatenate([points, outer]), quads + [quad[::-1] for quad in quads if twice]
     with pytest.raises(ConfigError, match=r"a plate without thickness, which is not solved"):
         described(obj(tmp_path / "spar.obj", points, [*side, keel, *disc]))
 

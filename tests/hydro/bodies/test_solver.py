@@ -209,14 +209,6 @@ def test_added_mass_of_a_deeply_submerged_sphere(green):
 BOTH = ("xOz", "yOz")
 
 
-def triangles(faces, seed):
-    """Quadrilaterals cut along a diagonal drawn by lot."""
-    turn = np.random.default_rng(seed).integers(0, 2, len(faces))
-    q = np.array([np.roll(face, k) for face, k in zip(faces, turn, strict=True)])
-    halves = np.stack([q[:, [0, 1, 2, 2]], q[:, [0, 2, 3, 3]]], axis=1).reshape(-1, 4)
-    return halves[[len(set(half.tolist())) == 3 for half in halves]]
-
-
 def areas(vertices, faces):
     """Vector areas of the panels."""
     x = vertices[faces]
@@ -248,7 +240,11 @@ def test_box_becomes_the_box_of_half_the_resolution(panels, planes):
 @example(seed=77, length=1.0, panels=3)  # a corner that bends a side by 9 degrees
 def test_sides_of_a_triangulated_box_keep_their_areas(seed, length, panels):
     vertices, faces = barge.box(length, 4.0, 2.0, panels)
-    cut = triangles(faces, seed)
+    # quadrilaterals cut along a diagonal drawn by lot
+    turn = np.random.default_rng(seed).integers(0, 2, len(faces))
+    q = np.array([np.roll(face, k) for face, k in zip(faces, turn, strict=True)])
+    halves = np.stack([q[:, [0, 1, 2, 2]], q[:, [0, 2, 3, 3]]], axis=1).reshape(-1, 4)
+    cut = halves[[len(set(half.tolist())) == 3 for half in halves]]
     coarse = coarser_panels(vertices, cut, ()).faces
     assert len(coarse) < 0.7 * len(cut)
     assert sides(vertices, coarse) == pytest.approx(sides(vertices, faces), rel=1e-12, abs=1e-9)

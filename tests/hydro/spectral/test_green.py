@@ -69,15 +69,6 @@ def relative(a, b):
 # Green's function
 
 
-def evanescent(k, depth, count):
-    """The first roots of k_n tan k_n d = -K, by Newton's iteration."""
-    n = np.pi * np.arange(1, count + 1)
-    y = n - np.arctan(k * depth / n)
-    for _ in range(8):
-        y -= (y - n + np.arctan(k * depth / y)) / (1 - k * depth / (y**2 + (k * depth) ** 2))
-    return y / depth
-
-
 def john(order, k, depth, here, there):
     """Green's function of two rings of different radius: John's eigenfunctions, with Graf's addition theorem."""
     (x, z), (source, height) = here, there
@@ -86,7 +77,12 @@ def john(order, k, depth, here, there):
     bound = wave_profile(np.array([k0]), depth, np.array([z, height]))[0].prod()
     sech = 2 * np.exp(-k0 * depth) / (1 + np.exp(-2 * k0 * depth))
     outgoing = 2j * np.pi * k0**2 / (depth * (k0 * sech) ** 2 + k) * bound
-    kn = evanescent(k, depth, int(60 + 14 * depth / (far - near)))
+    # the first roots of k_n tan k_n d = -K, by Newton's iteration
+    n = np.pi * np.arange(1, int(60 + 14 * depth / (far - near)) + 1)
+    y = n - np.arctan(k * depth / n)
+    for _ in range(8):
+        y -= (y - n + np.arctan(k * depth / y)) / (1 - k * depth / (y**2 + (k * depth) ** 2))
+    kn = y / depth
     terms = np.cos(kn * (z + depth)) * np.cos(kn * (height + depth)) / (depth - k / (kn**2 + k**2))
     radial = ive(order, kn * near) * kve(order, kn * far) * np.exp(-kn * (far - near))
     return 2 * np.pi * (outgoing * jv(order, k0 * near) * hankel1(order, k0 * far) + 4 * terms @ radial)

@@ -12,10 +12,6 @@ from vsb.engine.shell.modes import Mode, ModeBasis
 from vsb.engine.shell.shell import Shell
 
 
-def wet_sphere(nodes=32, height=0.0, order=0):
-    return WetMeridian(rigid_sphere(1.0, height), nodes, order)
-
-
 @pytest.mark.parametrize("rest", [None, capsule(1.0, 0.5)])
 def test_chords_have_all_digits_however_short_they_are(rest):
     """A short one is the slope times its length, a long one the difference of coordinates."""
@@ -55,7 +51,7 @@ def test_known_potential_flow_satisfies_the_integral_equation(order):
     """A multipole inside the raised sphere and its image: the limit of zero frequency on the right side of a wall."""
     errors = []
     for nodes in (8, 12, 16, 24, 32):
-        wet = wet_sphere(nodes, 0.3, order)
+        wet = WetMeridian(rigid_sphere(1.0, 0.3), nodes, order)
         exact, velocity = source_and_image(wet.points, order, -0.3)
         single, double = wet.rankine.sum(axis=0)
         phi = wet.solve(double + 0j, (-single @ velocity)[:, None] + 0j)[:, 0]

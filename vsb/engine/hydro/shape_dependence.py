@@ -507,9 +507,10 @@ def shape_derivative(problem: SpectralProblem, omegas: list[float], directions: 
     directions : callable
         How the points move; the amplitude of `Radial0` of unit radial displacement is the radius of a sphere.
 
-    Notes ----- Hadamard's boundary formulas for axisymmetric motion (m = 0) in water of any depth. With colatitude phi
-    as the label of material points, ' = d/dphi, the displacements (X_i, Z_i) per unit amplitude and f_i = x (-z' X_i +
-    x' Z_i),
+    Notes
+    -----
+    Hadamard's boundary formulas for axisymmetric motion (m = 0) in water of any depth. With colatitude phi as the label
+    of material points, ' = d/dphi, the displacements (X_i, Z_i) per unit amplitude and f_i = x (-z' X_i + x' Z_i),
 
         G_ij = 2 pi int f_i phi_j dphi,    A + i B/omega = -rho G,    excitation = -rho g G_iT,
 
