@@ -47,6 +47,29 @@ def test_derivatives_are_those_of_differences(climate, limits, key, control):
         assert abs(error) <= 1e-6 * max(found[name].value, abs(expected[name] * model.point[0])), name
 
 
+FORCES = {"h": "heave", "r": {"colatitude": 120}}
+
+
+@pytest.mark.parametrize(
+    ("design", "force", "key", "ports", "control"),
+    [
+        ("VSWEC", 8e3, "device.radius", FORCES, {}),
+        ("VSWEC", 8e3, "device.internal_pressure", FORCES | {"s": {"colatitude": 60}}, {"forecast": 2.0}),
+        ("VSWEC", 5e4, "pto.port.ports.r.colatitude", FORCES, {"noise": 1e-3}),
+        ("FSB", 8e3, "device.mass", FORCES, {}),  # all ports move alike
+        ("VSWEC", 8e3, "device.mass", FORCES, {"noise": 0.1}),  # a damper matrix absorbs more
+        ("VSWEC", np.inf, "device.young_modulus", FORCES, {}),
+    ],
+)
+def test_derivatives_at_several_ports_are_those_of_differences(climate, design, force, key, ports, control):
+    """Signals outlast the frequencies of these few waves: derivatives are those of the very numbers."""
+    model = model_of(climate, RmsLimits(force), [key], design, pto={"ports": ports, "control": control})
+    found, expected = model.at(model.point).quantities, differences(model, 0, 1e-4)
+    for name, tolerance in (("annual_mean_power", 1e-6), ("force_rms", 1e-6 if force < np.inf else 1e-5)):
+        error = (found[name].gradient[0] - expected[name]) * model.point[0]
+        assert abs(error) <= tolerance * max(found[name].value, abs(expected[name] * model.point[0])), name
+
+
 @pytest.mark.parametrize(("design", "force"), [("FSB", 1e3), ("VSWEC90", 3e4)])
 def test_power_grows_with_knowledge_and_the_worth_of_the_limit_is_its_slope(climate, design, force):
     model = model_of(climate, RmsLimits(force), [], design)

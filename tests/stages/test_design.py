@@ -519,6 +519,27 @@ def test_several_ports_keep_the_force_of_all_together(folder):
     assert "rms force" in Path(plan.folder, "report.html").read_text()
 
 
+@pytest.mark.slow
+def test_several_ports_under_causal_control_of_the_same_force(folder):
+    """Causal control absorbs more than the matrix of its rms force, less than control that knows all waves."""
+    study = shell_with(folder, "forces", pto={"ports": {"h": "heave", "r": {"colatitude": 120}}})
+    free, changes = {"device.mass": [9e3, 2.2e4]}, {"tuning": "causal", "limits": {"force_rms": 5e3}}
+    plan = planned(folder, "causal_ports", free, study=study, **changes)
+    for task in plan.tasks:
+        run_task(task)
+    found = vsb.open(plan.folder)
+    for name in (FLEXIBLE, COMPETITOR):
+        levels, end = found.facts["control"]["levels"][name], found.facts["found"][name]
+        assert levels["damper_same_force"] < levels["causal"] == found.power[name] < levels["future_known"]
+        assert end["multipliers"]["force_rms"] > 0.5
+    assert found.optimum.pto.control.force_rms == 5e3
+    (end,) = outcomes(f"{plan.folder}/starts", tuple(plan.starts))
+    search, seas = plan.flexible, read_climate(plan.climate, plan.loaded.climate_path)
+    wider = search.model_copy(update={"limits": search.limits | {"force_rms": 5.05e3}})
+    at = [problem_of(one, seas, end.degree).model.at(end.values)[POWER].value for one in (search, wider)]
+    assert np.log(at[1] / at[0]) / np.log(1.01) == pytest.approx(end.multipliers["force_rms"], rel=0.01)
+
+
 def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
     area = {"port": {"strain": "area"}, "held": {"place": "heave"}}
     study = shell_with(folder, "area", pto=area, designs={"VSWEC": {}})
@@ -528,7 +549,7 @@ def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
     for changes, words in (
         ({"limits": {"force_rms": 1e4}}, r"limits\.force_rms.*another load"),
         ({"maximise": "gain"}, r"maximise.*another take-off"),
-        ({"tuning": "causal", "limits": {"force_rms": 1e4}}, r"tuning.*one port"),
+        ({"tuning": "causal", "limits": {"force_rms": 1e4}}, r"tuning.*ports that act with forces"),
         ({"competitor": {"port": "heave", "variables": ["pto.damping"]}}, r"competitor\.variables.*another load"),
     ):
         with pytest.raises(ConfigError) as raised:

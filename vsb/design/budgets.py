@@ -17,7 +17,7 @@ from scipy.integrate import quad
 from vsb.design.compared import Buoy, gain
 from vsb.design.evaluation import RESOLVED, DesignModel
 from vsb.design.problem import POWER, depends, objective
-from vsb.design.take_offs import ControlledYear, SeveralYear
+from vsb.design.take_offs import SeveralYear
 from vsb.design.year import PortYear, band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
@@ -142,19 +142,18 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
     model : DesignModel
         Of the buoy over the climate: its nodes and frequencies are used.
     """
-    motion, lost = buoy.motion(model), 0.0
-    port = None if buoy.study.pto.several else PortYear.of(motion)
-    if port is None:
-        omega, damper = model.grid.omega, buoy.quantities.get("damping", 0.0)
+    motion, lost, omega = buoy.motion(model), 0.0, model.grid.omega
+    if buoy.control:
+        omega, absorbed, lost = buoy.controlled(model).absorbed
+    elif buoy.study.pto.several:
+        damper = buoy.quantities.get("damping", 0.0)
         absorbed = SeveralYear(motion).absorbed(
             damper * np.eye(len(motion.rows)) if buoy.dampers is None else np.array(buoy.dampers)
         )
-    elif buoy.control:
-        omega, absorbed, lost = ControlledYear(port, buoy.control, buoy.study.pto.control).absorbed
     elif buoy.study.pto.efficiency < 1:
-        return model.converted(buoy.study, port).of_seas(buoy.quantities["damping"])
+        return model.converted(buoy.study, PortYear.of(motion)).of_seas(buoy.quantities["damping"])
     else:
-        omega, absorbed = model.grid.omega, port.absorbed(buoy.quantities["damping"])
+        absorbed = PortYear.of(motion).absorbed(buoy.quantities["damping"])
     of_band = np.histogram(omega, climate.edges, weights=absorbed)[0]
     mean = climate.mean_density
     return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0) - lost)

@@ -19,7 +19,8 @@ from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
 from vsb.design.searched import Outcome, control_of, searching, study_of, with_rest
-from vsb.design.year import PortYear, YearMotion
+from vsb.design.take_offs import ControlledPorts, ControlledYear
+from vsb.design.year import YearMotion
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.climate import Climate
@@ -82,9 +83,10 @@ class Buoy:
         matrices = linearised(self.resting, self.design, [], model.grid.solved, model.nodes)
         return YearMotion(model.grid, *matrices, self.study.pto.stiffness)
 
-    def port_year(self, model: DesignModel) -> PortYear:
-        """Return its port over the year."""
-        return PortYear.of(self.motion(model))
+    def controlled(self, model: DesignModel) -> ControlledYear | ControlledPorts:
+        """Return its year under the best causal controller."""
+        assert self.control
+        return model.controlled(self.study, self.motion(model))
 
     def with_damper(self) -> "Buoy":
         """Return the same with the damper it has been found with given; with causal control, with its limit of force.
@@ -92,7 +94,10 @@ class Buoy:
         A study reads that as the rms force of its control level `causal`.
         """
         given: dict[str, object] = {"damping": self.quantities.get("damping"), "tuning": "fixed"}
-        if self.control:
+        if self.control and self.study.pto.several:
+            control = self.study.pto.control.model_copy(update={"force_rms": self.control.force})
+            given = {"damping": None, "tuning": "each", "control": control}
+        elif self.control:
             given = {"damping": None, "tuning": "each", "force_limit": self.control.force}
         elif self.dampers and isinstance(self.study.pto.port, SeveralPorts):
             given = {"port": self.study.pto.port.model_copy(update={"damping": self.dampers}), "tuning": "fixed"}

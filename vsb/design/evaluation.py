@@ -10,7 +10,14 @@ import numpy as np
 from vsb.design.limits import SeaMoments, damage, hull, inverse_load_factors, static_strain
 from vsb.design.linearised import CLAMPED, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
-from vsb.design.take_offs import ControlGrid, ControlledYear, ConvertedYear, SeveralYear, controlled_band
+from vsb.design.take_offs import (
+    ControlGrid,
+    ControlledPorts,
+    ControlledYear,
+    ConvertedYear,
+    SeveralYear,
+    controlled_band,
+)
 from vsb.design.year import FrequencyGrid, PortYear, YearMotion, band, chebyshev, interpolation
 from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.engine.motion.causal import KEPT, RmsLimits
@@ -20,7 +27,7 @@ from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.campaign import sections, study_at
-from vsb.study.design import ANGLE, CLAMP, LEAST_STROKE, NUMBERED, VARIABLES, Fatigue, is_variable
+from vsb.study.design import ANGLE, CLAMP, LEAST_STROKE, NUMBERED, VARIABLES, Fatigue, is_variable, of_forces
 from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -147,8 +154,10 @@ class DesignModel:
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
         if study.device.damping.maxwell:
             raise ConfigError("device.damping.maxwell: received branches; derivatives of designs need none")
-        if study.pto.several and control:
-            raise ConfigError("pto.port: received several, or the whole shell; causal control needs one port")
+        if control and study.pto.several and not of_forces(study.pto):
+            raise ConfigError(
+                "pto.port: received the whole shell, or other loads than forces; causal control needs forces"
+            )
         if isinstance(port := study.pto.port, DofPort) and set(port.dofs) != {"Heave"}:
             raise ConfigError(
                 f"pto.port: received {port.dofs}; derivatives of designs know no natural modes, need Heave"
@@ -339,7 +348,7 @@ class DesignModel:
     def _year(self, study: Study, motion: YearMotion) -> Evaluation:
         """Power, damper, force and stroke over the year."""
         if study.pto.several:
-            return self._year_of_several(study, SeveralYear(motion))
+            return self._year_of_several(study, motion)
         k, is_damper, k_change = study.pto.stiffness, self._is(DAMPER), self._is(SPRING)
         port = PortYear.of(motion)
         steadiness = {"spring_share": _spring_share(k, k_change, motion.buoy, motion.change)}
@@ -376,27 +385,41 @@ class DesignModel:
         worth = {"force_rms": controlled.damper.worth} if controlled and controlled.damper else {}
         return Evaluation(quantities | steadiness, worth)
 
+    def controlled(self, study: Study, motion: YearMotion) -> ControlledYear | ControlledPorts:
+        """Return the year under the best causal controller within its limits."""
+        assert self.control
+        if isinstance(port := study.pto.port, SeveralPorts):
+            return ControlledPorts(SeveralYear(motion), self.control, study.pto.control, port.matrix)
+        return ControlledYear(PortYear.of(motion), self.control, study.pto.control)
+
     def converted(self, study: Study, port: PortYear) -> ConvertedYear:
         """Return the year of a port whose power is converted with an efficiency."""
         return ConvertedYear(port, SeaMoments(self.grid, self.climate), study.pto.efficiency, study.pto.stiffness)
 
-    def _year_of_several(self, study: Study, year: SeveralYear) -> Evaluation:
+    def _year_of_several(self, study: Study, motion: YearMotion) -> Evaluation:
         """Power at several ports, or of a damper spread over the shell, and the dampers."""
+        year = SeveralYear(motion)
         if isinstance(study.pto.port, SeveralPorts):
-            dampers, price = self.dampers, 0.0
-            if dampers is None and np.isfinite(self.most_force):
-                dampers, price = year.within(self.most_force, study.pto.port.matrix)
+            dampers, price, force, kind = self.dampers, 0.0, self.most_force, study.pto.port.matrix
+            if self.control:
+                controlled = ControlledPorts(year, self.control, study.pto.control, kind)
+                if controlled.damper is None:
+                    return _controlled(controlled)
+                (dampers, price), force = controlled.damper, self.control.force
+            elif dampers is None and np.isfinite(force):
+                dampers, price = year.within(force, kind)
             elif dampers is None:
-                dampers = year.best(study.pto.port.matrix)
+                dampers = year.best(kind)
             less, slopes = year.power(dampers, price=price)
+            chosen = None if self.control else dampers
             if not price:
-                return Evaluation({"annual_mean_power": Quantity(less, slopes)}, dampers=dampers)
-            paid = price * self.most_force**2
+                return Evaluation({"annual_mean_power": Quantity(less, slopes)}, dampers=chosen)
+            paid = price * force**2
             found = {
                 "annual_mean_power": Quantity(less + paid, slopes),
-                "force_rms": Quantity(self.most_force, np.zeros_like(slopes)),
+                "force_rms": Quantity(force, np.zeros_like(slopes)),
             }
-            return Evaluation(found, {"force_rms": 2 * paid / (less + paid)}, dampers)
+            return Evaluation(found, {"force_rms": 2 * paid / (less + paid)}, chosen)
         is_damper, count = self._is(DAMPER), len(year.motion.rows)
         if is_damper.any():
             c, c_change = study.pto.damper(self.design) or 0.0, is_damper
@@ -423,14 +446,14 @@ class AtRest:
         return Evaluation(self.model._at_rest(buoy, *self.model._stepped(buoy)))
 
 
-def _controlled(year: ControlledYear) -> Evaluation:
-    """Power, force and stroke under causal control, and what a wider limit of either is worth."""
+def _controlled(year: ControlledYear | ControlledPorts) -> Evaluation:
+    """Power, force and, of one port, stroke under causal control, and what a wider limit of either is worth."""
     found, slopes, limits = year.found, year.slopes, year.limits
     quantities, worth = {"annual_mean_power": Quantity(found.power, slopes.power)}, {}
     for name, limit, rms, change, weight in (
         ("force_rms", limits.force, found.force_rms, slopes.force, found.weights.force),
         ("stroke_rms", limits.stroke, found.stroke_rms, slopes.stroke, found.weights.stroke),
-    ):
+    )[: 2 if isinstance(year, ControlledYear) else 1]:
         binds = limit * (1 - KEPT) < rms <= limit * (1 + KEPT)
         quantities[name] = Quantity(limit if binds else rms, change / (2 * rms))
         if binds:

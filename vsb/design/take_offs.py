@@ -16,7 +16,9 @@ over a shell, C = c 1, has a derivative of its own (`SeveralYear.optimal_change`
 The year of a buoy under causal control: one controller, the best at a given rms force in the mean spectrum.
 
 The controller is linear: its mean power and the mean square of its force over the seas of the year are those in the
-mean spectrum of the year. See `vsb.engine.motion.causal`.
+mean spectrum of the year. See `vsb.engine.motion.causal`. At several ports the rms is that of all forces together. With
+the price lambda of its square dP = dL, the derivative of the objective at given lambda, where the limit binds. Where it
+does not lambda is small, and dP = dL + lambda d(force^2), of which the latter follows from differences of dL by lambda.
 
 The year's mean power after conversion: a take-off of damper and spring whose two directions of power both lose.
 
@@ -31,6 +33,7 @@ P depends on more of the seas than their mean spectrum, unless k = 0: then P = e
 polynomial (`vsb.design.year.PortYear`), all of it is analytic in c.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -41,7 +44,19 @@ from scipy.optimize import brentq
 from vsb.design.limits import SeaMoments
 from vsb.design.resting import STEP
 from vsb.design.year import Damper, FrequencyGrid, PortYear, YearMotion, band, chebyshev
-from vsb.engine.motion.causal import KEPT, Controlled, RmsLimits, Slopes, StationaryPort, optimum, slopes, steadiest
+from vsb.engine.motion.causal import (
+    KEPT,
+    LEAST_WEIGHT,
+    Controlled,
+    RmsLimits,
+    Slopes,
+    StationaryPort,
+    StationaryPorts,
+    Weights,
+    optimum,
+    slopes,
+    steadiest,
+)
 from vsb.engine.motion.port import Ports
 from vsb.engine.motion.take_off import Control
 from vsb.engine.motion.tuning import Kind, best_matrix, priced_matrix
@@ -103,6 +118,20 @@ class SeveralYear:
         if by is not None:
             slopes = slopes + ((by @ u.T) * u.conj().T).real.sum(axis=1)
         return float(weight @ (force * u).sum(axis=1).real), slopes @ weight
+
+    @property
+    def changes(self) -> tuple[ComplexArray, ComplexArray]:
+        """Derivatives of u_0 (variable, omega, port) and of y = B^T D^-1 B (variable, omega, port, port), no dampers.
+
+        With l = D^-1 B they are dB^T q + l^T (dX - dD q) and dB^T l + its transpose - l^T dD l.
+        """
+        motion, (q, under) = self.motion, self.motion.undamped
+        loads, none = np.moveaxis(under, -1, 0), np.zeros((len(motion.rows), len(motion.rows)))
+        moved = np.array([motion.slopes(load, q, none) for load in loads]) + np.swapaxes(motion.row_changes @ q.T, 0, 1)
+        turned = np.swapaxes(motion.row_changes[:, None] @ under, -1, -2)
+        own = np.array([[motion.reaction(one, other, none) for other in loads] for one in loads])
+        receptance = turned + turned.swapaxes(-1, -2) - own.transpose(2, 3, 0, 1)
+        return moved.transpose(1, 2, 0), receptance
 
     def optimal_change(self, damper: float) -> FloatArray:
         """Return the derivatives of the optimal damper spread over the shell, shape (variable,)."""
@@ -281,6 +310,128 @@ class ControlledYear:
         density = grid.throughout(grid.omega**2 * grid.variance * moved / grid.spacing)
         known = self.control
         return slopes(self.port, found, admittance, density, known.noise, known.forecast, steadiest=steadiest)
+
+
+NEARBY = 2e-3
+"""Relative change of a price in a difference."""
+
+
+@dataclass(frozen=True)
+class ControlledPorts:
+    """The ports of a buoy over the year under the best causal controller with an rms of all forces together at most."""
+
+    year: SeveralYear
+    limits: RmsLimits  # that of the force
+    control: Control
+    kind: Kind  # of the dampers it is compared with
+
+    @cached_property
+    def _ports(self) -> StationaryPorts:
+        """The ports in the year's mean spectrum."""
+        ports, grid = self.year.ports, self._grid
+        density = grid.variance[:, None, None] / grid.spacing * _product(ports.velocity, ports.velocity)
+        return StationaryPorts(grid.spacing, self._throughout(ports.admittance), self._throughout(density))
+
+    @cached_property
+    def _forces(self) -> FloatArray:
+        """Forces of the ports that move (port, force)."""
+        return self._ports.moving()
+
+    @cached_property
+    def port(self) -> StationaryPorts:
+        """What moves of the ports."""
+        return self._ports.over(self._forces)
+
+    @property
+    def _grid(self) -> ControlGrid:
+        assert isinstance(self.year.motion.grid, ControlGrid)
+        return self.year.motion.grid
+
+    def _throughout(self, values: ComplexArray) -> ComplexArray:
+        """Values of pairs of ports at all frequencies, (omega, port, port), from those of the grid."""
+        return np.moveaxis(self._grid.throughout(np.moveaxis(values, 0, -1)), -1, 0)
+
+    @cached_property
+    def found(self) -> Controlled:
+        """The optimum."""
+        return optimum(self.port, self.limits, self.control.noise, self.control.forecast)
+
+    @cached_property
+    def damper(self) -> tuple[FloatArray, float] | None:
+        """The best damper matrix of the same rms force and its price, where it absorbs more than the controller."""
+        dampers, price, power = self._damper_within(self.limits.force)
+        return (dampers, price) if power > self.found.power else None
+
+    def _damper_within(self, force: float) -> tuple[FloatArray, float, float]:
+        """The best damper matrix of an rms force, the price of its square, and its mean power [W]."""
+        free = np.isinf(force)
+        dampers, price = (self.year.best(self.kind), 0.0) if free else self.year.within(force, self.kind)
+        return dampers, price, float(self.year.absorbed(dampers).sum())
+
+    @property
+    def binds(self) -> bool:
+        """Whether the limit of the force binds."""
+        return self.found.weights.force > LEAST_WEIGHT * self.port.largest_loss * (1 + KEPT)
+
+    @property
+    def slopes(self) -> Slopes:
+        """Derivatives of power and mean square of all forces by the variables."""
+        changes, weight = self._changes, self.found.weights.force
+        slope = self._slopes(weight, changes)
+        if self.binds:
+            return Slopes(slope, np.zeros_like(slope), np.zeros_like(slope))
+        apart = [weight * (1 + NEARBY), weight * (1 - NEARBY)]
+        by_weight = self._slopes(apart[0], changes) - self._slopes(apart[1], changes)
+        squares = [self.port.controlled(Weights(one), self.control.noise, self.control.forecast).force for one in apart]
+        loss, vectors = np.linalg.eigh(self.port.admittance.real)
+        largest = int(loss[:, -1].argmax())
+        most = vectors[largest, :, -1]
+        price = LEAST_WEIGHT * np.array([most @ one[largest].real @ most for one, _ in changes])
+        square = ((squares[0] - squares[1]) * price - by_weight) / (apart[0] - apart[1])
+        return Slopes(slope + weight * square, square, np.zeros_like(slope))
+
+    def _slopes(self, weight: float, changes: Sequence[tuple[ComplexArray, ComplexArray]]) -> FloatArray:
+        """Derivatives of the objective at a price of the force, shape (variable,)."""
+        return self.port.slopes(Weights(weight), self.control.noise, self.control.forecast, changes)
+
+    @property
+    def _changes(self) -> list[tuple[ComplexArray, ComplexArray]]:
+        """Derivatives of admittance and density of what moves by each variable, each shape (omega, force, force)."""
+        grid, w, found = self._grid, self._grid.omega, []
+        for free, receptance in zip(*self.year.changes, strict=True):
+            product = _product(-1j * w[:, None] * free, self.year.ports.velocity)
+            density = grid.variance[:, None, None] / grid.spacing * (product + product.conj().swapaxes(1, 2))
+            found.append((self._moving(-1j * w[:, None, None] * receptance), self._moving(density)))
+        return found
+
+    def _moving(self, values: ComplexArray) -> ComplexArray:
+        """The same of what moves, (omega, force, force)."""
+        return np.asarray(self._forces.T @ self._throughout(values) @ self._forces)
+
+    @property
+    def absorbed(self) -> tuple[FloatArray, FloatArray, float]:
+        """As of `ControlledYear`."""
+        if self.damper:
+            return self.year.motion.grid.omega, self.year.absorbed(self.damper[0]), 0.0
+        port, noise = self.port, self.control.noise
+        gain = port.controller(self.found.weights, noise, self.control.forecast)
+        loss = gain.conj().swapaxes(1, 2) @ port.admittance.real @ gain
+        along = port.admittance.conj().swapaxes(1, 2) @ gain - loss
+        power = np.einsum("wij,wji->w", along, port.excitation).real * port.spacing
+        peak = float(np.einsum("wii->w", port.excitation).real.max())
+        return port.omega, power, port.integral(np.einsum("wii->w", loss)) * noise * peak
+
+    @property
+    def other_levels(self) -> dict[str, float]:
+        """As of `ControlledYear`."""
+        within = RmsLimits(self.found.force_rms)
+        known = optimum(self.port, within, 0.0, np.inf).power
+        return {"damper_same_force": self._damper_within(within.force)[2], "future_known": known}
+
+
+def _product(one: ComplexArray, other: ComplexArray) -> ComplexArray:
+    """Return products v w^H of vectors at each frequency, (omega, port, port)."""
+    return np.asarray(one[:, :, None] * other[:, None, :].conj())
 
 
 AROUND = np.logspace(-3.0, 3.0, 61)

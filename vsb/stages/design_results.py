@@ -27,7 +27,6 @@ from vsb.design.compared import (
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.problem import IMPOSSIBLE, POWER, depends, excesses, limit_parts, probabilities, spread
 from vsb.design.searched import Outcome, best
-from vsb.design.take_offs import ControlledYear
 from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
 from vsb.keys.quantities import Section, canonical, content_id
@@ -218,11 +217,11 @@ def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate
 
 def _control(buoys: Mapping[str, Buoy], climate: Climate) -> dict[str, Any] | None:
     """What causal controllers know, and by buoy the power of other take-offs of the same rms force."""
-    if (limits := buoys[FLEXIBLE].control) is None:
+    if buoys[FLEXIBLE].control is None:
         return None
     known, found = buoys[FLEXIBLE].study.pto.control, {}
     for name, one in buoys.items():
-        levels = ControlledYear(one.port_year(one.model(climate)), limits, known).other_levels
+        levels = one.controlled(one.model(climate)).other_levels
         found[name] = {"damper_same_force": levels["damper_same_force"], "causal": one.power, **levels}
     return {"noise": known.noise, "forecast": known.forecast, "levels": found}
 

@@ -646,10 +646,12 @@ def _check_port(problem: Optimisation, study: Study, mistakes: _Mistakes) -> Non
         )
     if problem.verify and pto.several:
         mistakes.add("verify", "received with several ports, or the whole shell; runs in time of designs need one port")
-    if problem.tuning == CAUSAL and not comparable(pto) and (pto.several or other):
+    forces = comparable(pto) or (of_forces(pto) and not other)
+    if problem.tuning == CAUSAL and not forces and (pto.several or other):
         mistakes.add(
             "tuning",
-            f"received causal with pto.port of {problem.study}; needs one port that acts with a force, or tuning: one",
+            f"received causal with pto.port of {problem.study}; needs ports that act with forces, on both buoys, or "
+            "tuning: one",
         )
     if problem.fatigue and study.opens_chamber:
         mistakes.add("fatigue", "received with gas between port and take-off (pto.port: volume); needs another port")

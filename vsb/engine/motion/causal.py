@@ -35,7 +35,7 @@ S. M. Lattanzio, A. A. Taflanidis and I. L. Cassidy, Optimal causal control of a
 Applied Ocean Research 42 (2013), which solves the same problem with rational models and a Riccati equation.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -60,14 +60,14 @@ MOST_WEIGHT = 1e12
 """Largest weights tried, over those where a limit is certain to hold."""
 ROOT = 1e-10
 """Tolerance of the logarithm of a weight."""
-KEPT = 1e-6
-"""Relative tolerance on a limit."""
+KEPT, FAR = 1e-6, 1e3
+"""Relative tolerance on a limit, and the share of it that stands for any larger one."""
 REPEATED, SAME_POWER = 40, 1e-9
 """With losses in conversion: most repetitions, and the relative change of power after which they end."""
 
-STEPS, FACTORED, LEFT = 60, 1e-10, 1e-2
-"""Most iterations for a factor, the relative error of its square, mean over frequencies, that ends them, and the most
-that may be left where signals outlast the grid: what that does to powers is part of `numerical_error`."""
+STEPS, FACTORED, LEFT = 60, 1e-12, 1e-8
+"""Most iterations for a factor, the relative error of its square, mean over frequencies, before the last of them, and
+the most that round-off may leave."""
 STILL = 1e-14
 """Square of an admittance, in terms of the largest, below which forces move nothing but by round-off."""
 
@@ -91,8 +91,8 @@ class Controlled(NamedTuple):
 
     @property
     def force_rms(self) -> float:
-        """Root mean square of the force [N]."""
-        return float(np.sqrt(max(self.force, 0.0)))
+        """Root mean square of the force [N]; inf where its weight is too small for it to be resolved."""
+        return float(np.sqrt(self.force)) if self.force >= 0 else np.inf
 
     @property
     def stroke_rms(self) -> float:
@@ -161,11 +161,16 @@ class _OnGrid:
         """
         return np.asarray(2 * self.spacing * (fft(phasors, 2 * len(phasors), axis=0) * self._turn).real)
 
-    def causal(self, phasors: ComplexArray) -> ComplexArray:
-        """Return the part of a signal at t > 0, and half of that at t = 0, as phasors of its shape."""
+    def causal(self, phasors: ComplexArray, end: float = 0.0) -> ComplexArray:
+        """Return the part of a signal at t > 0, and half of that at t = 0, as phasors of its shape.
+
+        With half of that at the end of the period as well, `end`, a Hermitian matrix is the sum of its causal part and
+        the adjoint of that, to round-off.
+        """
         values = self.signal(phasors)
         values[0] /= 2
-        values[len(phasors) :] = 0.0
+        values[len(phasors)] *= end
+        values[len(phasors) + 1 :] = 0.0
         return np.asarray(ifft(values * self._turn.conj(), axis=0)[: len(phasors)] / self.spacing)
 
     def causal_part(self, real: FloatArray) -> ComplexArray:
@@ -309,7 +314,8 @@ class StationaryPorts(_OnGrid):
         Those of ports that stand still or move as others do are left out.
         """
         size, along = np.linalg.eigh(np.einsum("wij,wkj->ik", self.admittance, self.admittance.conj()).real)
-        return np.asarray(along[:, size > STILL * size.max()])
+        moves = size > STILL * size.max()
+        return np.eye(len(size)) if moves.all() else np.asarray(along[:, moves])
 
     def moved(self) -> "StationaryPorts":
         """Return the same as seen by the forces of `moving`."""
@@ -345,25 +351,39 @@ class StationaryPorts(_OnGrid):
 
     # factors ----------------------------------------------------------------------------------------------------------
 
-    def _factor(self, square: ComplexArray) -> ComplexArray:
+    def _factor(
+        self, square: ComplexArray, changes: Sequence[AnyArray] = ()
+    ) -> tuple[ComplexArray, list[ComplexArray]]:
         """The causal B with a causal inverse and B B^H = a Hermitian, positive matrix, (omega, port, port).
 
-        Wilson's iteration, Newton's method: B becomes B (the causal part of B^-1 square B^-H + 1).
+        Wilson's iteration, Newton's method: B becomes B (the causal part of B^-1 square B^-H + 1). The derivatives of B
+        by those of the square follow it step by step: where signals outlast the grid B depends on where it begins.
         """
         one = np.eye(square.shape[1])
-        logs = np.log(np.einsum("wii->wi", square).real)[:, :, None] * one
-        parts = self.causal_part(0.5 * logs)
-        begin = np.exp(np.einsum("wii->wi", parts))[:, :, None] * one
-        found, before, size = begin, np.inf, np.abs(square).max(axis=(1, 2))
+
+        def diagonal(values: AnyArray) -> FloatArray:
+            return np.asarray(values.real[:, :, None] * one)
+
+        own = np.einsum("wii->wi", square).real
+        found = np.asarray(np.exp(self.causal_part(diagonal(0.5 * np.log(own)))) * one, dtype=complex)
+        ratios = [0.5 * np.einsum("wii->wi", change) / own for change in changes]
+        slopes: list[ComplexArray] = [found * self.causal_part(diagonal(ratio)) for ratio in ratios]
+        before, size = np.inf, np.abs(square).max(axis=(1, 2))
         for _ in range(STEPS):
-            found = found @ self.causal(self._seen(found, square) + one)
+            inverse, seen = np.linalg.inv(found), self._seen(found, square)
+            step = self.causal(seen + one, end=0.5)
+            for i, change in enumerate(changes):
+                turned = inverse @ slopes[i] @ seen
+                moved = self._seen(found, change) - turned - turned.conj().swapaxes(1, 2)
+                slopes[i] = slopes[i] @ step + found @ self.causal(moved, end=0.5)
+            found = found @ step
             away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).mean())
-            if away <= FACTORED or 0.99 * before < away <= LEFT:
-                return np.asarray(found)
+            if before <= FACTORED or 0.99 * before < away <= LEFT:
+                return found, slopes
             before = away
         raise ConvergenceError(
-            f"pto: no causal control of {square.shape[1]} ports found: they swing longer than "
-            f"{np.pi / self.spacing:.3g} s; needs more damping of the shell"
+            f"pto: no causal control of {square.shape[1]} ports found: factors of their spectra do not converge; needs "
+            "more control.noise, or more damping of the shell"
         )
 
     @staticmethod
@@ -386,10 +406,12 @@ class StationaryPorts(_OnGrid):
         """
         if np.isinf(forecast):
             return self.known_future(weights)
-        cost, g = self._wanted(weights, noise, forecast)
-        by_force = self.causal(self._seen(cost, np.eye(cost.shape[1])[None])).conj() @ g
+        one = np.broadcast_to(np.eye(self.admittance.shape[1]), self.admittance.shape)
+        cost, (by_force,) = self._cost(weights, [one])
+        g = self._wanted(cost, noise, forecast)
         tail = Tail(self, g)
-        objective, force = tail.square(tail), 2 * tail.square(Tail(self, by_force))
+        objective = tail.square(tail)
+        force = 2 * tail.square(Tail(self, np.linalg.solve(cost, by_force).conj() @ g))  # less its slope by the weight
         return Controlled(objective + weights.force * force, force, 0.0, 0.0, weights)
 
     def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
@@ -397,24 +419,67 @@ class StationaryPorts(_OnGrid):
 
         Parameters as of `controlled`.
         """
-        cost, g = self._wanted(weights, noise, forecast)
+        cost = self._cost(weights)[0]
         behind = np.exp(-1j * self.omega * forecast)[:, None, None]
-        q = np.linalg.solve(cost.swapaxes(1, 2), behind * self.causal(g))
+        causal = behind * self.causal(self._wanted(cost, noise, forecast))
+        q = np.linalg.solve(cost.swapaxes(1, 2), causal)
         return np.asarray(np.linalg.solve(self._noisy(noise).swapaxes(1, 2), q.swapaxes(1, 2)).swapaxes(1, 2))
 
-    def _wanted(self, weights: Weights, noise: float, forecast: float) -> tuple[ComplexArray, ComplexArray]:
-        """The transpose of W, and G ahead by the forecast, each shape (omega, port, port)."""
-        cost = self._factor(self.admittance.real + weights.force * np.eye(self.admittance.shape[1]) + 0j)
-        whitened = np.linalg.solve(self._noisy(noise), self.measured.conj().swapaxes(1, 2)).conj().swapaxes(1, 2)
+    def slopes(
+        self, weights: Weights, noise: float, forecast: float, changes: Sequence[tuple[ComplexArray, ComplexArray]]
+    ) -> FloatArray:
+        """Return the derivatives of the objective at given weights, by those of admittance and density, (variable,)."""
+        adjoint = self.admittance.conj().swapaxes(1, 2)
+        cost, of_cost = self._cost(weights, [admittance.real for admittance, _ in changes])
+        g, ahead = self._wanted(cost, noise, forecast), np.exp(1j * self.omega * forecast)[:, None, None]
+        measured = [
+            np.linalg.solve(
+                adjoint.swapaxes(1, 2), (density - self.measured @ admittance.conj().swapaxes(1, 2)).swapaxes(1, 2)
+            ).swapaxes(1, 2)
+            for admittance, density in changes
+        ]
+        excitation = [
+            np.linalg.solve(self.admittance, moved - admittance @ self.excitation)
+            for moved, (admittance, _) in zip(measured, changes, strict=True)
+        ]
+        h, of_noisy = self._factor(
+            self.excitation + self._noise(self.excitation, noise), [one + self._noise(one, noise) for one in excitation]
+        )
+        whitened, tail, found = self._over(self.measured, h), Tail(self, g), []
+        for moved, by_cost, by_noisy in zip(measured, of_cost, of_noisy, strict=True):
+            seen = self._over(moved - whitened @ by_noisy.conj().swapaxes(1, 2), h)
+            change = ahead * np.linalg.solve(cost.conj(), seen) / 2 - np.linalg.solve(cost, by_cost).conj() @ g
+            found.append(2 * tail.square(Tail(self, change)))
+        return np.array(found)
+
+    def _cost(self, weights: Weights, changes: Sequence[AnyArray] = ()) -> tuple[ComplexArray, list[ComplexArray]]:
+        """The transpose of W, and its derivatives by those of its square, each shape (omega, port, port)."""
+        return self._factor(self.admittance.real + weights.force * np.eye(self.admittance.shape[1]) + 0j, changes)
+
+    def _wanted(self, cost: ComplexArray, noise: float, forecast: float) -> ComplexArray:
+        """G ahead by the forecast, shape (omega, port, port)."""
         ahead = np.exp(1j * self.omega * forecast)[:, None, None]
-        return cost, np.asarray(ahead * np.linalg.solve(cost.conj(), whitened) / 2)
+        return np.asarray(ahead * np.linalg.solve(cost.conj(), self._over(self.measured, self._noisy(noise))) / 2)
+
+    @staticmethod
+    def _over(matrix: ComplexArray, factor: ComplexArray) -> ComplexArray:
+        """A B^-H."""
+        return np.asarray(np.linalg.solve(factor, matrix.conj().swapaxes(1, 2)).conj().swapaxes(1, 2))
+
+    @cached_property
+    def _peak(self) -> int:
+        """Where the density of the forces of the waves is largest."""
+        return int(np.einsum("wii->w", self.excitation).real.argmax())
+
+    def _noise(self, excitation: ComplexArray, noise: float) -> ComplexArray:
+        """S_n, or its derivative, of S_e, or that of it, shape (port, port)."""
+        return np.asarray(noise * np.trace(excitation[self._peak]).real * np.eye(excitation.shape[1]))
 
     def _noisy(self, noise: float) -> ComplexArray:
         """H, shape (omega, port, port); kept, for it is the same at all weights."""
         known: dict[float, ComplexArray] = self.__dict__.setdefault("_known", {})
         if noise not in known:
-            peak = float(np.einsum("wii->w", self.excitation).real.max())
-            known[noise] = self._factor(self.excitation + noise * peak * np.eye(self.admittance.shape[1]))
+            known[noise] = self._factor(self.excitation + self._noise(self.excitation, noise))[0]
         return known[noise]
 
     def known_future(self, weights: Weights) -> Controlled:
@@ -479,6 +544,11 @@ def optimum(
         return _within_limits(lambda weights: port.controlled(weights, noise, forecast), port, limits, losses)
 
     best = within(Weights(LEAST_WEIGHT * port.largest_loss))
+    if best.force < 0:
+        raise ConvergenceError(
+            "pto: no causal control found: signals of so large a force outlast what the frequencies resolve; needs a "
+            "smaller limit of force, more control.noise, or more damping of the shell"
+        )
     if efficiency == 1.0:
         return best
     value, losses = best.converted(efficiency), _losses(best, efficiency)
@@ -533,6 +603,8 @@ def _within_force(
     controlled: Callable[[Weights], Controlled], port: Stationary, force: float, least: Weights
 ) -> Controlled:
     """The optimum with the least weight of the force with which its limit holds; the other weights as given."""
+    if np.isinf(force):
+        return controlled(least)
     start = port.free_rms / (2 * force)  # where the force alone costs, it holds
     return least_weight(
         lambda weight: controlled(least._replace(force=weight)), least.force, start, lambda one: one.force_rms / force
@@ -556,7 +628,7 @@ def least_weight(
             return at(high)
     while share(at(low)) < 1:  # only where the least weight is 0
         low /= 100
-    root = brentq(lambda x: np.log(share(at(np.exp(x)))), np.log(low), np.log(high), xtol=ROOT)
+    root = brentq(lambda x: np.log(min(share(at(np.exp(x))), FAR)), np.log(low), np.log(high), xtol=ROOT)
     return at(float(np.exp(root)))
 
 
