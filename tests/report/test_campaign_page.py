@@ -25,7 +25,7 @@ from vsb.report.campaign_page import (
     tuned_power,
     warnings,
 )
-from vsb.report.canvas import style
+from vsb.report.canvas import style, svg_text
 
 DESIGNS, TUNINGS, BINS = ["FSB", "VSWEC"], ["fixed", "one", "each"], ("hs", "te")
 GAINS = np.array([[-5.0, 2.0], [8.0, -1.0]])  # of the flexible design, (modulus, thickness) [%]
@@ -145,6 +145,16 @@ def test_one_key_is_drawn_as_a_line_with_its_interval():
     ax.figure.draw_without_rendering()
     assert ax.get_xlabel() == "young modulus"
     assert "100 MPa" in {tick.get_text() for tick in ax.get_xticklabels()}
+
+
+def test_a_map_of_many_points_is_one_image():
+    """110 x 110 points, each within an interval that includes zero; the map says nothing about one of them."""
+    axes = {"modulus": np.geomspace(1e6, 1e8, 110), "thickness": np.linspace(0.01, 0.02, 110)}
+    few, many = (svg_text(sweep(campaign(np.zeros((n, n)), **{k: v[:n] for k, v in axes.items()}), "one", "FSB"))
+                 for n in (20, 110))  # fmt: skip
+    assert few.count("<path") > 400
+    assert many.count("<path") < 200
+    assert len(many) < 4e5
 
 
 def over(values, gains, **attrs):

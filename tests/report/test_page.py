@@ -22,6 +22,7 @@ from vsb.report.page import (
     STATISTICS,
     Report,
     band_statements,
+    captioned,
     irregular_statements,
     measures,
     published_table,
@@ -196,3 +197,9 @@ def test_negative_numbers_have_one_minus_sign():
     text = '<p title="-1">-6.3 % (-.5 to -1e-05), 2026-11-29, VSWEC-2, up-1, -</p><pre>x: -0.8</pre><svg>-1</svg>'
     signs = text.replace(">-6.3 % (-.5 to -1e", ">\N{MINUS SIGN}6.3 % (\N{MINUS SIGN}.5 to \N{MINUS SIGN}1e")
     assert pages.with_minus_signs(text) == signs
+
+
+def test_a_figure_too_large_for_the_page_takes_no_room_of_others():
+    figures = {"map": f"<svg>{' ' * pages.INLINE}</svg>", "spectra": "<svg></svg>"}
+    ((one, other),) = (group["figures"] for group in captioned(figures, {"map": "", "spectra": ""}))
+    assert (one["svg"], other["svg"]) == ("", "<svg></svg>")

@@ -317,6 +317,8 @@ PREFIXED = ("Pa", "N", "W")
 """Units that ticks have with a prefix: 3 MPa, 20 kN."""
 MOST_MAPS = 6
 """Values of a third key that have a map."""
+MOST_DRAWN = 10_000
+"""Cells of a map each of which is drawn by itself, in 130 bytes; more are an image."""
 MOST_TICKS = 5
 """Numbers of a key each of which has a tick of its own; words have one each, however many."""
 
@@ -535,7 +537,8 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     for ax, (design, place) in zip(axes.ravel(), shown, strict=False):
         one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
         cells = (_cells(ds, x), _cells(ds, y))
-        image = ax.pcolormesh(*cells, reported_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
+        gain, many = reported_gain(one, tuning), one.sizes[x] * one.sizes[y] > MOST_DRAWN
+        image = ax.pcolormesh(*cells, gain, cmap=GAIN, vmin=-largest, vmax=largest, rasterized=many)
         _mark(ax, ds, one, x, y, reported_bounds(one, tuning))
         if not any(place.values()):
             ax.set_title(design, fontsize=9, color=_style(ds, design)["color"])
@@ -566,7 +569,8 @@ def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str, bounds: tup
         for i, j in np.argwhere(((bounds[0] <= 0) & (bounds[1] >= 0)).values)
     ]
     if cells:
-        ax.add_collection(PolyCollection(cells, facecolor="none", edgecolor="black", linewidth=0, hatch=HATCH))
+        look: Any = {"facecolor": "none", "edgecolor": "black", "linewidth": 0, "hatch": HATCH}
+        ax.add_collection(PolyCollection(cells, rasterized=len(cells) > MOST_DRAWN, **look))
     margin = one.margin.values
     if margin.min() < 0 < margin.max():
         ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)

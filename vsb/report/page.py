@@ -126,15 +126,16 @@ def captioned(
     """Return figures in groups: those of no sea, then those of each sea, the first of them unfolded.
 
     Figures (SVG) of one sea have its label behind a dash; captions are by what stands before it. Those for specialists
-    have a title under which they are `folded`; beyond `INLINE` bytes they are only linked.
+    have a title under which they are `folded`; what does not fit into `INLINE` bytes is only linked.
     """
     groups: dict[str, list[dict[str, Any]]] = {}
     room = INLINE
     for name, svg in figures.items():
         kind, _, sea = name.partition("-")
         drawn = svg[svg.index("<svg") :]
-        room -= len(drawn.encode())
-        shown = {"name": name, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
+        if fits := len(drawn.encode()) <= room:
+            room -= len(drawn.encode())
+        shown = {"name": name, "caption": captions[kind], "svg": drawn if fits else ""}
         groups.setdefault(sea, []).append({**shown, "folded": FOLDED.get(kind, "")})
     for number, figure in enumerate(itertools.chain.from_iterable(groups.values()), 1):
         figure["number"] = number  # in the order of the page
