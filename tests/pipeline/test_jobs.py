@@ -71,6 +71,19 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
     assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.016)
 
 
+@pytest.mark.parametrize(("tuning", "seconds"), [("each", 20.0), ("one", 0.0)])
+def test_damper_matrices_of_each_sea_are_counted(tmp_path, tuning, seconds):
+    """Two designs; 54 and 13 CPU-seconds of three were both told as 7."""
+    with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
+    raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "modes": {"degree": 4}}
+    raw |= {"designs": {"FSB": {"flexible": False}, "VSB": {}}}
+    raw |= {"pto": {"ports": {"a": "heave", "b": {"strain": "area"}}, "matrix": "full"}}
+    (tmp_path / "shell.yaml").write_text(yaml.safe_dump(raw))
+    given = {"campaign": "one", "study": "shell.yaml", "climate": {"spectra": "sea.txt"}, "tuning": [tuning]}
+    (tmp_path / "one.yaml").write_text(yaml.safe_dump(given))
+    assert plan_of(str(tmp_path / "one.yaml")).member_seconds == pytest.approx(seconds + 0.016)
+
+
 def test_points_of_panels_cost_their_panels(tmp_path):
     """A campaign whose study has them was announced as if the spectral solver took 0.4 s."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))

@@ -10,7 +10,7 @@ import psutil
 from vsb.engine.hydro.bodies.body_file import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
-from vsb.engine.motion.take_off import SeveralPorts
+from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.kinds import Wave
 from vsb.study.campaign import CAUSAL
 from vsb.study.resolution import BlockSpec
@@ -73,6 +73,8 @@ MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member of a campaign whose coefficients are there, of coefficients of a shape."""
 CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
 """CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
+MATRICES_SECONDS = 10.0
+"""Of the best full damper matrices of a design in each of these bins."""
 MATRICES_WITHIN_SECONDS = 150.0
 """Of the damper matrices of a given rms force in each of these bins."""
 WITH_LOSSES = 5.0
@@ -171,7 +173,17 @@ def verification_seconds(spec: VerificationSpec) -> float:
     designs = float(len(spec.designs))
     if spec.buoy and spec.verify.model == "body_exact":
         designs = sum(_of_wall(spec.buoy, flexible=one.flexible) for one in spec.buoy.designs.values())
-    return MEMORY_SECONDS + each * designs + CAUSAL_YEAR_SECONDS * controlled * len(spec.designs)
+    year = CAUSAL_YEAR_SECONDS * len(spec.designs) if controlled else 0.0
+    if "each" in spec.tuning:
+        year = matrices_of_year(spec.pto, len(spec.designs))
+    return MEMORY_SECONDS + each * designs + year
+
+
+def matrices_of_year(pto: Pto, designs: int) -> float:
+    """Return the CPU time of the best damper matrix in each sea of a year, of all designs [s]; 0 of one port."""
+    if not isinstance(pto.port, SeveralPorts):
+        return 0.0
+    return MATRICES_SECONDS * designs / (1.0 if pto.port.matrix == "full" else OF_FULL_MATRIX)
 
 
 def record_megabytes(study: BaseStudy, wave: Wave, coordinates: int) -> int:

@@ -261,7 +261,8 @@ class CampaignPlan(Graph):
             if base.pto.several and base.pto.control.force_rms < math.inf:
                 seconds += costs.MATRICES_WITHIN_SECONDS
             each += seconds * (costs.WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
-        return costs.MEMBER_SECONDS + each * len(base.designs)
+        matrices = costs.matrices_of_year(base.pto, len(base.designs)) if "each" in self.loaded.tuning else 0.0
+        return costs.MEMBER_SECONDS + each * len(base.designs) + matrices
 
     def _seconds(self, some: Sequence[Member]) -> float:
         """CPU time of members [s]: their coefficients, their rest, their year."""
