@@ -381,7 +381,9 @@ def witness_spec(plan: HydroPlan) -> WitnessSpec:
 WITHIN = 4.0
 """Change of the power of a port within the shell over that of a port that heaves, in terms of the wall's stiffness over
 rho g [-]."""
-AT_POINTS = 3.5
+RADIAL = 8.0
+"""The same of a port normal to the wall at a ring, which drives the bending of a soft wall in waves [-]."""
+AT_POINTS = 4.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
 TURNS = 5.0
 """The same of a port that surges or pitches with the buoy: the shell is a spring between water and ballast [-]."""
@@ -443,10 +445,13 @@ def degree_needed(study: AnyBuoy) -> int:
         one == "volume" or isinstance(one, BetweenPort | DistributedPort | StrainPort) for one in ports
     )
     turns = any(one in ("surge", "pitch") or isinstance(one, LinePort) for one in ports)
-    flatter = SHAPES if study.device.shape is not None else 1.0
-    factor = (
-        MARGIN * flatter * (TURNS if turns else 1.0) * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
-    )
+    factor = MARGIN * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
+    if study.device.shape is not None:
+        factor *= SHAPES
+    if turns:
+        factor *= TURNS
+    if any(one.direction == "radial" for one in rings):
+        factor *= RADIAL
     enough = study.modes.tolerance / factor
     between = any(isinstance(one, BetweenPort) for one in ports)
     least = AT_POINTS * bending_degree(study) if between else 0.0
