@@ -424,9 +424,10 @@ def test_files_of_directions_are_not_read_as_densities(written, text, message):
     """Their headers are those of densities: r1 of a year read as densities was a sea of 2.35 m in place of 1.74 m."""
     with pytest.raises(ConfigError, match=message):
         read_ndbc(written(text))
-    jonswap = 5.0 * (BANDS_NDBC / 0.1) ** -5.0 * np.exp(-1.25 * (BANDS_NDBC / 0.1) ** -4.0)
-    for height in (0.02, 1.0, 20.0):  # calm seas have small densities, too
-        assert read_ndbc(written(same_header(np.round(height * np.outer(np.ones(6), jonswap), 6)))).hs.size == 6
+    swell, wind = (5.0 * (BANDS_NDBC / f) ** -5.0 * np.exp(-1.25 * (BANDS_NDBC / f) ** -4.0) for f in (0.1, 0.2))
+    broad = swell + 0.5 * wind  # its median is more than a tenth of its peak
+    for sea in (0.02 * swell, swell, 20.0 * swell, 0.02 * broad, broad):  # calm seas have small densities, too
+        assert read_ndbc(written(same_header(np.round(np.outer(np.ones(6), sea), 6)))).hs.size == 6
 
 
 def test_a_file_most_of_whose_records_cannot_be_used_is_doubted(written):

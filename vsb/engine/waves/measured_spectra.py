@@ -362,8 +362,10 @@ BOUNDED = {
     360.0: "directions in degrees (swdir, swdir2)",
 }
 """Likewise by their largest number; their headers are those of densities."""
-EVEN, FEW_BANDS = 0.1, 10
-"""Median over the largest number from which on numbers are no densities, which differ by magnitudes; bands needed."""
+EVEN, CALM, FEW_BANDS = 0.1, 0.02, 10
+"""Median over the largest number from which on numbers are no densities, which differ by magnitudes; that of the first
+or last band below which they are, which bring next to no waves; bands needed.
+"""
 
 
 def read_ndbc(path: str | Path) -> Climate:
@@ -415,8 +417,10 @@ def read_ndbc(path: str | Path) -> Climate:
 
 def _check_densities(path: str | Path, values: FloatArray) -> None:
     """Raise where numbers are no densities but bounded quantities of direction, whose files look the same."""
-    known = values[~np.isnan(values)]
+    known, ends = values[~np.isnan(values)], [end[~np.isnan(end)] for end in (values[:, 0], values[:, -1])]
     if not known.size or values.shape[1] < FEW_BANDS or np.median(known) < EVEN * known.max():
+        return
+    if any(end.size and np.median(end) < CALM * known.max() for end in ends):
         return
     if meant := next((meant for largest, meant in BOUNDED.items() if known.max() <= largest), ""):
         raise ConfigError(
