@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.models.rest import check_stable, computed_buckling, reference_shell
-from vsb.models.viability import advised, buckling_margin, static_strain, viability, viable
+from vsb.models.viability import advised, buckling_margin, check_rests_advised, static_strain, viability, viable
 from vsb.results import ledger
 from vsb.results.ledger import shell_checks
 from vsb.study.study import load, parse
@@ -267,3 +267,17 @@ def test_advised_pressure_is_not_that_at_which_the_shell_gives_way(seed):
     pressure, strain = viable(study)
     assert 430.6 < pressure < 1000.0
     assert 0.01 < strain < 0.02
+
+
+def test_pressure_advised_for_body_exact_water_is_one_at_which_the_shell_rests():
+    """More of each of three things was advised, as of rubber that more pressure only inflates."""
+    study = load(CONFIG / "pressurised.yaml")
+    low = varied(study, hydro={"model": "body_exact"}, device={"internal_pressure": 5e3, "thickness": 0.02})
+    low = low.model_copy(update={"reference_shape": "undeformed"})
+    with pytest.raises(ConfigError, match=r"gives way under the static load; device.*\(tried\), or use") as refused:
+        check_rests_advised(low, reference_shell(low))
+    pressure = float(re.search(r"internal_pressure of (\S+) Pa", str(refused.value))[1])
+    assert pressure > 14e3
+    rests = varied(low, device={"internal_pressure": pressure})
+    check_rests_advised(rests, reference_shell(rests))
+    assert buckling_margin(rests) >= 0

@@ -21,6 +21,7 @@ from vsb.keys.quantities import canonical
 from vsb.models.floating_system import AnyBody, FloatingSystem
 from vsb.models.rest import (
     carries_load,
+    check_rests,
     check_upright,
     complete_loaded_shell,
     computed_buckling,
@@ -250,6 +251,43 @@ def advised(study: Study, error: ConfigError) -> ConfigError:
     return ConfigError(text, [text])
 
 
+def check_rests_advised(study: Study, reference: ReferenceShell) -> None:
+    """Check that every design comes to rest in body-exact water; if not, an internal pressure that does is named.
+
+    Raises `ConfigError`.
+    """
+    try:
+        check_rests(study, reference)
+    except ConfigError as error:
+        text, _, others = str(error).partition("; raise ")
+        trials = [_at_pressure(study, share) for share in PRESSURES] if others else []
+        found = next((f"{one.device.internal_pressure:g}" for one in trials if _comes_to_rest(one)), "")
+        if found:
+            text += f"; device.internal_pressure of {found} Pa carries it (tried), or use hydro.model: linear"
+        elif trials:
+            text += f"; no device.internal_pressure from 0 to {trials[-1].device.internal_pressure:g} Pa carries it"
+            text += " (tried); needs a thicker or stiffer shell, or hydro.model: linear"
+        raise ConfigError(text, [text]) from None
+
+
+def _comes_to_rest(study: Study) -> bool:
+    """Whether no design buckles and all rest in body-exact water, at strains the law of the material holds for."""
+    try:
+        rest = viability(study)
+        if rest.reasons or rest.reference is None or rest.margin < 0:
+            return False
+        check_rests(study, rest.reference)
+    except (ConfigError, ConvergenceError):
+        return False
+    return True
+
+
+def _at_pressure(study: Study, share: float) -> Study:
+    """The study at an internal pressure, in terms of that of the water at the keel."""
+    pressure = float(f"{share * _keel_pressure(study):.3g}")
+    return study.model_copy(update={"device": study.device.model_copy(update={"internal_pressure": pressure})})
+
+
 def advice(study: Study) -> str:
     """Return in words what carries the load of a shell: another pressure, or the least wall and the least modulus.
 
@@ -410,10 +448,9 @@ def _trials(study: Study) -> list[Trial]:
     rubber = device.material.rubber
     limit = INFLATED * device.young_modulus / 3 * device.thickness / device.radius
     for share in PRESSURES:
-        pressure = float(f"{share * _keel_pressure(study):.3g}")
-        if rubber and device.gas is None and pressure > limit:
+        trial = _at_pressure(study, share)
+        if rubber and device.gas is None and trial.device.internal_pressure > limit:
             break
-        trial = study.model_copy(update={"device": device.model_copy(update={"internal_pressure": pressure})})
         linear = buckling(complete_loaded_shell(trial))
         found.append(Trial(trial, linear.load_factor, linear.linear_strain))
     return found

@@ -79,13 +79,12 @@ def _check_clamps(buoy: Study, where: str, source: str) -> None:
 
 def _check_runs(study: Study, source: str) -> None:
     """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
-    from vsb.models.rest import check_rests
-    from vsb.models.viability import viability, with_designs
+    from vsb.models.viability import check_rests_advised, viability, with_designs
 
     rest = viability(study)
     if rest.designs and rest.reference:
         try:
-            check_rests(with_designs(study, rest.designs), rest.reference)
+            check_rests_advised(with_designs(study, rest.designs), rest.reference)
         except ConfigError as error:
             raise ConfigError(f"{source}: verify: {error}") from None
 

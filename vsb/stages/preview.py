@@ -11,7 +11,7 @@ from vsb.engine.shell.ritz import natural_modes
 from vsb.engine.shell.shell import Shell, natural_frequencies
 from vsb.engine.waves.kinds import file_lines
 from vsb.errors import ConfigError
-from vsb.models.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
+from vsb.models.rest import check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.pipeline.graph import StudyPlan
@@ -42,12 +42,14 @@ def check(plan: StudyPlan) -> None:
 
     Raises `ConfigError` or `DatabaseError`.
     """
+    from vsb.models.viability import check_rests_advised  # only now: it imports what solves
+
     study = plan.study
     with load_advised(study):
         reference = reference_shell(study)
         check_stable(study, seen_by_take_off(study, reference)[0])
     check_spring(study, reference)
-    check_rests(study, reference)
+    check_rests_advised(study, reference)
     if study.needs_bem:
         plan.check_waves()
     study.check_record()
