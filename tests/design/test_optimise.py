@@ -12,6 +12,7 @@ from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.optimise import (
     KKT,
     VIOLATION,
+    _polished,
     converged,
     first_possible,
     left_out,
@@ -112,6 +113,15 @@ def test_multiplier_is_what_a_wider_limit_gives():
     of = problem(nearest, {"mass": 2.0})
     (value,) = optimised(of, of.at(np.array([0.2, 0.5]))).multipliers.values()
     assert np.log(powers[2] / powers[0]) / 2e-4 == pytest.approx(value, rel=1e-4)
+
+
+def test_multipliers_are_relative_to_where_newtons_steps_end():
+    """dP/dR = 2 (sqrt(10) - 2) over P there, not over P where they began, 1e-4 off."""
+    of = problem(nearest, {"mass": 2.0})
+    near = of.at(of.place(1.999 * np.array([np.cos(0.34), np.sin(0.34)])))
+    point, found, _ = _polished(of.rescaled(near), near)
+    assert np.log(point.objective / near.objective) > 1e-5
+    assert found.limits[0] == pytest.approx(4 * (np.sqrt(10) - 2) / point.objective, rel=1e-6)
 
 
 def test_bounds_that_hold_are_named():

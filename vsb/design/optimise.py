@@ -345,6 +345,7 @@ def _polished(problem: Problem, point: Point) -> tuple[Point, Multipliers, Curva
         if (after.free != found.free).any():  # the curvature is of other variables
             curved = curvature(problem, moved, after)
         point, found = moved, after
+    point = problem.rescaled(point).at(point.place)  # Newton's steps have changed the objective
     return point, multipliers(point), curved
 
 
