@@ -29,6 +29,7 @@ from vsb.models.rest import (
     reference_shell,
     seen_by_take_off,
     study_basis,
+    tension_at,
     with_rings,
 )
 from vsb.pipeline.graph import StudyPlan
@@ -317,6 +318,21 @@ def test_statics_of_ports_on_the_shell_do_not_depend_on_the_degree(seed, port):
         b = port_direction(study.pto.port, shell.shape)[1:]
         found.append(b @ np.linalg.solve(shell.basis.stiffness[1:, 1:], b))
     assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("reference", ["undeformed", "equilibrium"])
+@pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 5.0}}}])
+def test_tension_at_the_poles_is_the_limit_beside_them(seed, shape, reference):
+    """Where hoop strains are 0/0; of spheroids it was NaN, and the response of the wall with it."""
+    device = {"thickness": 0.02, "young_modulus": 6e7, "internal_pressure": 1.6e4} | shape
+    study = varied(seed, device=device, designs=ALONE, reference_shape=reference, modes={"basis": "full", "degree": 6})
+    shell = reference_shell(study)
+    loaded, at_rest = loaded_shell(study, shell.basis), shell.modal_amplitude if study.at_equilibrium else None
+    poles, beside = (
+        tension_at(tuple(normal_to_wall(at) for at in pair), loaded, at_rest)
+        for pair in ((0.0, np.pi), (1e-3, np.pi - 1e-3))
+    )
+    assert poles == pytest.approx(beside, rel=1e-4)
 
 
 def test_power_between_the_poles_converges_with_few_degrees(seed):

@@ -445,6 +445,8 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
 
 KEPT = 12
 """Shells whose modes of rings are kept."""
+BESIDE_POLE = 1e-6
+"""Distance from a pole at which its tension is taken: at the pole itself strains are 0/0 [rad]."""
 
 
 Load = RingLoad | BeltLoad
@@ -554,6 +556,7 @@ def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[Load, ...])
 def tension_at(loads: tuple[Load, ...], loaded: LoadedShell, at_rest: FloatArray | None) -> tuple[float, ...]:
     """Return the membrane force along the meridian at rings of a shell at rest, or of the undeformed one [N/m]."""
     at = np.array([load.colatitude for load in loads])
+    at = np.where(np.abs(np.sin(at)) < BESIDE_POLE, at + np.copysign(BESIDE_POLE, np.pi / 2 - at.real), at)
     elastic = loaded.elastic
     force, _ = loaded.linear_resultants(at) if at_rest is None else elastic.linear_resultants(at_rest, at)
     return tuple(force.tolist())
