@@ -350,6 +350,8 @@ MOST = 400
 """Degree of the responses at most."""
 POWERS = 4
 """Powers of |s|, each with its sign so that the derivative of its order jumps."""
+GRADED = 0.3, 0.06, 0.012, 0.0024, 0.0005
+"""Distances from a loaded pole between which the wall is integrated: bending there grows like a logarithm [rad]."""
 ROUND_OFF = 1e-14
 """Part of the largest eigenvalue below which one is round-off: kinks of neighbouring rings are nearly alike [-]."""
 
@@ -374,6 +376,14 @@ class KinkModes(AttachmentModes):
         for load in self.loads:
             at += (load.upper, load.lower) if isinstance(load, BeltLoad) else (load.colatitude,)
         return tuple(sorted({phi for phi in at if abs(np.sin(phi)) > AT_POLE}, key=np.real))
+
+    @cached_property
+    def _poles(self) -> tuple[float, ...]:
+        """The poles that are loaded, 1 the upper and -1 the lower one."""
+        at = (
+            {load.colatitude for load in self.loads if isinstance(load, RingLoad)} if self.highest == HIGHEST else set()
+        )
+        return tuple(sorted({float(np.sign(np.cos(phi).real)) for phi in at if abs(np.sin(phi)) <= AT_POLE}))
 
     @property
     def resolved(self) -> int:
@@ -413,6 +423,10 @@ class KinkModes(AttachmentModes):
                 for way in (tangent,) if k == 1 else (tangent, normal):
                     for column, value in zip(found, [share * part for share in way for part in kink], strict=True):
                         column.append(value)
+        for pole in self._poles:
+            for part, way in _beside_pole(phi, pole):
+                for column, value in zip(found, [share * one for share in way for one in part], strict=True):
+                    column.append(value)
         return Displacements(*(np.array(column).reshape(len(column), len(phi)) for column in found))
 
     def _displacements(self, phi: FloatArray) -> Displacements:
@@ -423,7 +437,8 @@ class KinkModes(AttachmentModes):
     def _at(self, start: float = 0.0, end: float = math.pi) -> _At:
         """Points of a rule for energies, of the belt between two colatitudes [rad]."""
         meridian = self.shell.meridian
-        breaks = sorted({*meridian.junctions, *self._rings, start, end} - {0.0, math.pi}, key=np.real)
+        graded = {angle if pole > 0 else math.pi - angle for pole in self._poles for angle in GRADED}
+        breaks = sorted({*meridian.junctions, *self._rings, *graded, start, end} - {0.0, math.pi}, key=np.real)
         phi, dphi = meridian_rule(breaks, 4 * self._finest + 64 + meridian.terms)
         inside = (start < np.real(phi)) & (np.real(phi) < end)
         phi, dphi = phi[inside], dphi[inside]
@@ -506,6 +521,22 @@ class KinkModes(AttachmentModes):
         modes = (self._responses @ self._combinations).T
         hoop, meridional = self._of_belt(upper, lower)
         return modes @ hoop, modes @ meridional
+
+
+def _beside_pole(
+    phi: FloatArray, pole: float
+) -> list[tuple[tuple[FloatArray, FloatArray, FloatArray], tuple[int, int]]]:
+    """Displacements under a point load at a pole, each with two derivatives, and their shares along e_r and e_phi.
+
+    They are s^2 ln s and s^4 ln s along e_r, and sin(phi) s^2 ln s along e_phi, with s^2 = 2 (1 -+ cos(phi)).
+    """
+    sin, cos = np.sin(phi), np.cos(phi)
+    s, ds, dds = 2 - 2 * pole * cos, 2 * pole * sin, 2 * pole * cos  # s^2 and its derivatives
+    logarithm = np.log(s)
+    f = s * logarithm, (logarithm + 1) * ds, ds**2 / s + (logarithm + 1) * dds
+    g = s**2 * logarithm, (2 * logarithm + 1) * s * ds, (2 * logarithm + 3) * ds**2 + (2 * logarithm + 1) * s * dds
+    h = sin * f[0], cos * f[0] + sin * f[1], sin * (f[2] - f[0]) + 2 * cos * f[1]
+    return [(f, (1, 0)), (g, (1, 0)), (h, (0, 1))]
 
 
 def _static(stiffness: FloatArray, loads: FloatArray, kept: IntArray) -> FloatArray:
