@@ -166,6 +166,8 @@ dozens of steps; along a ridge the objective hardly changes.
 """
 ITERATIONS = 100
 """Of each run."""
+OFF_SADDLE = 0.01
+"""Distance from a saddle at which the next run begins, in ranges."""
 NEWTON_STEPS, LONGEST_STEP = 6, 0.05
 """Most Newton steps, and the longest of them in ranges."""
 HELD = 1e-3
@@ -252,10 +254,13 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
         return _certified(scaled, point, multipliers(point), None, "no variables")
     for close, change in ROUNDS:
         point, message = _searched(scaled, point, (close, change), seen)
-        best = _certified(scaled, *_polished(scaled.rescaled(point), point), message)
+        polished, found, curved = _polished(scaled.rescaled(point), point)
+        best = _certified(scaled, polished, found, curved, message)
         point = best.point
         if best.accepted:
             break
+        if curved and curved.saddle:
+            point = _off_saddle(scaled, point, found, curved)
         scaled = scaled.rescaled(point)
         point = scaled.at(point.place)
     assert best is not None
@@ -347,6 +352,17 @@ def _polished(problem: Problem, point: Point) -> tuple[Point, Multipliers, Curva
         point, found = moved, after
     point = problem.rescaled(point).at(point.place)  # Newton's steps have changed the objective
     return point, multipliers(point), curved
+
+
+def _off_saddle(problem: Problem, point: Point, found: Multipliers, curved: Curvature) -> Point:
+    """A point beside a saddle, along the direction that gives most; the saddle itself if none rests there."""
+    beside = []
+    for step in (OFF_SADDLE, -OFF_SADDLE):
+        try:
+            beside.append(problem.at(np.clip(point.place + step * curved.directions[:, 0], 0.0, 1.0)))
+        except IMPOSSIBLE:
+            continue
+    return min(beside, key=lambda one: one.cost + float(found.limits @ one.excess), default=point)
 
 
 def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curvature | None, message: str) -> Optimum:
