@@ -267,7 +267,7 @@ def compare(args: argparse.Namespace) -> int:
 
     kind = "page" if args.out and Path(args.out).suffix == ".html" else "table of studies"
     _check_outputs(args, {args.out: kind} if args.out else {})
-    print(side_by_side.compare(args.studies, args.out))
+    print(side_by_side.compare(args.studies, args.out, args.results))
     return 0
 
 
@@ -386,6 +386,7 @@ def _add_compared(commands: Any) -> None:
     """Declare what is made of finished results."""
     one = _command(commands, "compare", "finished studies and campaigns side by side", compare)
     one.add_argument("studies", nargs="+", metavar="CONFIG", help="their files")
+    _in_results(one)
     one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
     words = "figures of finished results for print, as PDF or PNG"
     one = _command(commands, "figures", words, figures, config="CONFIG")

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,14 @@ def test_campaign_is_compared_over_its_year(year):
         assert (one.low, one.high) == (at.gain_low, at.gain_high)
         assert one.capture_width == pytest.approx(float(at.capture_width))
         assert one.damping > 0
+
+
+def test_studies_are_found_in_the_folder_of_results_that_is_named(small, tmp_path, monkeypatch):
+    shutil.copytree("results", tmp_path / "runs")
+    shutil.copy("small.yaml", tmp_path)
+    expected = compare(["small.yaml"], None)
+    monkeypatch.chdir(tmp_path)
+    assert compare(["small.yaml"], None, "runs") == expected
 
 
 def test_what_has_no_line_is_named(small, year):

@@ -126,14 +126,17 @@ def _known(value: Any) -> float | None:
     return None if value in ("", None) or float(value) != float(value) else float(value)
 
 
-def compare(configs: Sequence[str], out: str | None) -> str:
-    """Return the table of finished studies and campaigns, and write it as CSV or as a page if a file is named."""
+def compare(configs: Sequence[str], out: str | None, root: str = "results") -> str:
+    """Return the table of finished studies and campaigns, and write it as CSV or as a page if a file is named.
+
+    `root` is the folder of all results.
+    """
     kind = None if out is None else Path(out).suffix
     if kind not in (None, ".csv", ".html"):
         raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
     plans: list[AnyPlan | CampaignPlan] = []
     for config in configs:
-        if isinstance(plan := plan_of(config), DesignPlan):
+        if isinstance(plan := plan_of(config, root), DesignPlan):
             received = f"{config}: received a design problem"
             raise ConfigError(f"{received}, needs a study or campaign, such as its optimum.yaml")
         plans.append(plan)
