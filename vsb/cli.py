@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 Handler = Callable[[argparse.Namespace], int]
 FIRST = """a study of your own:
-  vsb init my.yaml      write it, with comments
-  vsb check my.yaml     what it costs, and what to doubt
-  vsb run my.yaml       results/my/report.html"""
+  vsb init my.yaml      write a commented file
+  vsb check my.yaml     show its CPU time and warnings
+  vsb run my.yaml       compute it: results/my/report.html"""
 EXAMPLES = {
     "init": "my.yaml --radius 3", "run": "my.yaml", "design": "my_design.yaml", "check": "my.yaml",
     "schema": "campaign > campaign.json", "verify": "results/my", "shell": "my.yaml --json",
@@ -50,16 +50,16 @@ ARGUMENTS = {
     "STUDY.yaml": "file to write, which must not exist", "CONFIG": "file of a study, campaign or design problem",
     "DESIGN": "file of a design problem", "CONFIG|FOLDER": "file of a study, or a folder of results",
     "CONFIG|DATABASE.nc": "file of a study, or a hydro database", "OUT": "name of the files to write, without ending",
-    "TRAJECTORY.nc": "file of results/STUDY/trajectories", "OUT.csv|OUT.nc": "file to write",
+    "TRAJECTORY.nc": "run in time, a file in results/STUDY/trajectories", "OUT.csv|OUT.nc": "file to write",
     "body CONFIG": "body file: its mesh, motions and frequencies", "shell CONFIG": "file of a study of a buoy",
-    "shape-dependence CONFIG": "file of a study of a buoy", "import-wamit FOLDER": "folder of WAMIT's output",
-    "import-nemoh FOLDER": "folder of NEMOH's results",
+    "shape-dependence CONFIG": "file of a study of a buoy in deep water",
+    "import-wamit FOLDER": "folder of WAMIT's output", "import-nemoh FOLDER": "folder of NEMOH's results",
     "FOLDER": "folder to write the files into", "NAME": "name of the files without ending",
     "DATABASE.nc": "hydro database to write",
-    "FILE.h5": "file of BEMIO", "RESULTS": "folder of finished results of a study",
+    "FILE.h5": "file written by BEMIO", "RESULTS": "folder of finished results of a study",
 }  # fmt: skip
 """What positional arguments are, by their names."""
-AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
+AXISYMMETRIC = "the body and its generalized modes are axisymmetric, which allows more checks"
 
 
 def begin(args: argparse.Namespace) -> int:
@@ -79,9 +79,9 @@ def begin(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
-    """Validate a study, campaign or design problem, print its cost and what to doubt; 1 if a check fails.
+    """Validate a study, campaign or design problem without running it; print its CPU time, checks and warnings.
 
-    Nothing is solved.
+    The exit code is 1 if a check fails.
     """
     plan = plan_of(args.config, args.results)
     check_name(plan)
@@ -105,7 +105,7 @@ def schema(args: argparse.Namespace) -> int:
 
 
 def verify(args: argparse.Namespace) -> int:
-    """Check the ids and contents of all result files of a study, or of a folder."""
+    """Check that the result files of a study, or of a folder, are undamaged and belong to their study file."""
     from vsb.stages import verify as stamps
 
     print(*stamps.verify(args.config), sep="\n")
@@ -113,7 +113,10 @@ def verify(args: argparse.Namespace) -> int:
 
 
 def shell(args: argparse.Namespace) -> int:
-    """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
+    """Print natural frequencies of the shell in vacuum and its buckling pressure.
+
+    Modes are those of membrane theory (both branches) and with bending, beside the values of the paper's Ritz method.
+    """
     from vsb.stages import preview
 
     table = preview.shell_table(with_degree(StudyPlan(load(args.config))).study)
@@ -138,10 +141,7 @@ def export(args: argparse.Namespace) -> int:
 
 
 def series(args: argparse.Namespace) -> int:
-    """Write the time series of a run under the names of WEC-Sim's output: motion, forces by name, power; CSV or netCDF.
-
-    The run is a file of finished results, such as results/buoy/trajectories/FSB-regular_A0.179_T2.5.nc.
-    """
+    """Write the time series of a run, motion, forces and power, as CSV or netCDF, with WEC-Sim's variable names."""
     from vsb.api.results import Results
     from vsb.api.results import open as opened
     from vsb.results.comparison import series_csv
@@ -196,7 +196,10 @@ def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: s
 
 
 def body(args: argparse.Namespace) -> int:
-    """Compute the hydro database of a mesh with any displacements and print its checks; 1 if one fails."""
+    """Compute the hydrodynamic coefficients of any mesh and mode shapes and print their checks.
+
+    The exit code is 1 if a check fails.
+    """
     from vsb.engine.hydro.bodies.solution import read_study
     from vsb.stages.coefficients import solve_body
 
@@ -214,9 +217,9 @@ def print_verdict(checks: "list[Check]", files: str) -> int:
 
 
 def matrix(args: argparse.Namespace) -> int:
-    """Print the power matrix of a finished study: every design in JONSWAP seas over Hs and Te, by linear theory.
+    """Print the power matrix of a finished study: mean power of each design in JONSWAP seas over Hs and Te.
 
-    Each design has the optimal damper of each sea. With --out capture widths and dampers are written, too.
+    Powers are those of linear theory. With --out capture widths and dampers are written to a file, too.
     """
     from vsb.api.results import Results
     from vsb.api.results import open as opened
@@ -251,7 +254,10 @@ def figures(args: argparse.Namespace) -> int:
 
 
 def shape_dependence(args: argparse.Namespace) -> int:
-    """Compute how the coefficients of a deep-water study depend on its shape: database, figure, effect on power."""
+    """Compute how hydrodynamic coefficients change as the shell deforms, and by how much that changes power.
+
+    Writes a netCDF file and a figure.
+    """
     from vsb.stages import shape_dependence as stage
 
     answer = stage.shape_dependence(
@@ -262,7 +268,7 @@ def shape_dependence(args: argparse.Namespace) -> int:
 
 
 def compare(args: argparse.Namespace) -> int:
-    """Put finished studies and campaigns side by side: power, gain at equal tuning, dampers, capture width, energy."""
+    """Compare finished studies and campaigns: power, gain at equal tuning, dampers, capture width, energy."""
     from vsb.stages import side_by_side
 
     kind = "page" if args.out and Path(args.out).suffix == ".html" else "table of studies"
@@ -272,7 +278,7 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def rule(args: argparse.Namespace) -> int:
-    """Do a job of a rule: its tasks, as JSON on standard input, which may be of any length, unlike an argument."""
+    """Run one job of the workflow; its tasks are read as JSON from standard input."""
     if sys.stdin.isatty():
         raise ConfigError("standard input: received a terminal, needs the tasks of the rule as JSON")
     run_job(args.rule, sys.stdin.read())
@@ -313,11 +319,11 @@ def parser() -> argparse.ArgumentParser:
     _add_commands(commands)
     _add_imports(commands)
     _add_compared(commands)
-    text = "one rule of the workflow; it reads its tasks as JSON from standard input"
+    text = "run one job of the workflow, for Snakemake"
     one = _command(commands, "stage", text, rule)
     one.formatter_class = argparse.RawDescriptionHelpFormatter
     one.epilog = "rules:\n" + "\n".join(f"  {name:20} {words}" for name, words in RULES.items())
-    one.add_argument("rule", metavar="RULE", choices=list(RULES), help="which, see below")
+    one.add_argument("rule", metavar="RULE", choices=list(RULES), help="rule of the job, see below")
     return top
 
 
@@ -340,55 +346,56 @@ def _in_results(one: argparse.ArgumentParser) -> None:
 def _running(one: argparse.ArgumentParser) -> None:
     """Declare the options of a run."""
     _in_results(one)
-    one.add_argument("--profile", help="of Snakemake: default, slurm, or the path of a folder of your own")
-    one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
-    one.add_argument("--quiet", "-q", action="store_true", help="print the answer alone")
-    one.add_argument("--verbose", action="store_true", help="show what Snakemake says")
+    one.add_argument("--profile", help="Snakemake profile: default, slurm, or the path of a folder")
+    one.add_argument("--cores", "-c", type=cores, metavar="N", help="number of processor cores, or all")
+    one.add_argument("--quiet", "-q", action="store_true", help="print only the answer")
+    one.add_argument("--verbose", action="store_true", help="show Snakemake's output")
 
 
 def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
     one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
-    one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
-    one.add_argument("--body", action="store_true", help="a study of a body, with a simple hull to be replaced")
-    one.add_argument("--campaign", metavar="STUDY.yaml", help="a campaign of that study over a site's year")
-    one.add_argument("--design", action="store_true", help="a design problem, and the study it varies")
+    words = "radius of the buoy [m]; all other values are scaled with it by Froude's law"
+    one.add_argument("--radius", type=float, metavar="R", help=words)
+    one.add_argument("--body", action="store_true", help="write a study of a body, with a simple hull to be replaced")
+    one.add_argument("--campaign", metavar="STUDY.yaml", help="write a campaign: that study over a site's year")
+    one.add_argument("--design", action="store_true", help="write a design problem, and the study it varies")
     one = _command(commands, "run", "run a whole study, campaign or design", run, config="CONFIG")
     one.epilog = (
-        f"{one.epilog}. What is short runs in this process, all else through Snakemake; it always does if --profile, "
-        "--cores, --verbose, or an option of snakemake's own such as -n, is given."
+        f"{one.epilog}. Runs of up to ten CPU-minutes do without Snakemake, unless --profile, --cores, --verbose or "
+        "one of Snakemake's own options, such as -n, is given."
     )
     _running(one)
-    words = "find the best buoy: the same as run, of a design file"
+    words = "find the best buoy within limits; the same as run, for design files"
     _running(_command(commands, "design", words, run, config="DESIGN"))
-    words = "validate a study, campaign or design, solve nothing"
+    words = "validate a study, campaign or design without running it"
     _in_results(_command(commands, "check", words, check, config="CONFIG"))
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
-    one = _command(commands, "matrix", "power over heights and periods of seas", matrix, folder="RESULTS")
+    one = _command(commands, "matrix", "power matrix of a study over Hs and Te", matrix, folder="RESULTS")
     words = "damper: optimal in each sea (each, the default), one for all seas, or as given (fixed)"
     one.add_argument("--tuning", choices=("each", "one", "fixed"), default="each", help=words)
     one.add_argument("--gamma", type=float, default=3.3, help="peakedness of the spectra (default: 3.3)")
     one.add_argument("--out", metavar="FILE.csv", help="write power, capture width and damping of every sea")
-    _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
-    one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
+    _command(commands, "verify", "check that result files are undamaged and up to date", verify, config="CONFIG|FOLDER")
+    one = _command(commands, "shell", "natural frequencies and buckling pressure of a shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
-    words = "how much the coefficients depend on the shape"
+    words = "change of the coefficients as the shell deforms"
     one = _command(commands, "shape-dependence", words, shape_dependence, config="CONFIG", out="OUT")
     one.set_defaults(writes={"{out}.nc": "shape dependence", "{out}.svg": "figure"})
-    words = "hydro database of any mesh with any displacements"
+    words = "hydrodynamic coefficients of any mesh and mode shapes"
     one = _command(commands, "body", words, body, config="CONFIG", out="FOLDER")
     one.set_defaults(writes={"{out}/": ""})
 
 
 def _add_compared(commands: Any) -> None:
     """Declare what is made of finished results."""
-    one = _command(commands, "compare", "finished studies and campaigns side by side", compare)
-    one.add_argument("studies", nargs="+", metavar="CONFIG", help="their files")
+    one = _command(commands, "compare", "compare finished studies and campaigns", compare)
+    one.add_argument("studies", nargs="+", metavar="CONFIG", help="files of studies or campaigns")
     _in_results(one)
-    one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
-    words = "figures of finished results for print, as PDF or PNG"
+    one.add_argument("--out", metavar="FILE", help="write the whole table to FILE.csv, or a page to FILE.html")
+    words = "draw figures of finished results as PDF or PNG"
     one = _command(commands, "figures", words, figures, config="CONFIG")
     _in_results(one)
     for kind in ("pdf", "png"):
@@ -399,30 +406,30 @@ def _add_compared(commands: Any) -> None:
 
 def _add_imports(commands: Any) -> None:
     """Declare what exchanges databases with other codes."""
-    words = "database as WAMIT files and WEC-Sim .h5"
+    words = "write a hydro database as WAMIT files and WEC-Sim .h5"
     one = _command(commands, "export", words, export, config="CONFIG|DATABASE.nc", folder="FOLDER")
     one.set_defaults(writes={"{folder}/": ""})
-    words = "time series of a run with WEC-Sim's names"
+    words = "write the time series of a run with WEC-Sim's names"
     one = _command(commands, "series", words, series, config="TRAJECTORY.nc", out="OUT.csv|OUT.nc")
     one.set_defaults(writes={"{out}": "time series"})
-    words, places = "hydro database from WAMIT's output", {"folder": "FOLDER", "name": "NAME", "out": "DATABASE.nc"}
+    words, into = "read WAMIT's output into a hydro database", {"out": "DATABASE.nc"}
+    places = {"folder": "FOLDER", "name": "NAME", **into}
     one = _command(commands, "import-wamit", words, import_wamit, **places)
-    one.add_argument("--density", type=float, default=1025.0, help="of the water [kg/m^3] (default: 1025)")
-    one.add_argument("--gravity", type=float, default=9.81, help="GRAV [m/s^2] (default: 9.81)")
-    one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
-    one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
-    one.add_argument("--bodies", type=count, metavar="N", help="NBODY, if there is no .mmx, which states it")
-    text = "modes of each body, six and its generalized ones, such as 7,6"
+    one.add_argument("--density", type=float, default=1025.0, help="density of the water [kg/m^3] (default: 1025)")
+    one.add_argument("--gravity", type=float, default=9.81, help="gravity, GRAV of WAMIT [m/s^2] (default: 9.81)")
+    one.add_argument("--length", type=float, default=1.0, help="length scale, ULEN of WAMIT [m] (default: 1)")
+    one.add_argument("--depth", type=float, default=float("inf"), help="depth, HBOT of WAMIT [m] (default: deep water)")
+    one.add_argument("--bodies", type=count, metavar="N", help="number of bodies, if no .mmx file states it")
+    text = "number of modes of each body, six and its generalized ones, such as 7,6"
     one.add_argument("--modes", type=counts, metavar="N,N", help=text)
     one.set_defaults(writes={"{out}": "hydro database"})
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
-    one = _command(
-        commands, "import-bemio", "hydro database from BEMIO's .h5", import_bemio, file="FILE.h5", out="DATABASE.nc"
-    )
+    words = "read BEMIO's .h5 into a hydro database"
+    one = _command(commands, "import-bemio", words, import_bemio, file="FILE.h5", **into)
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one.set_defaults(writes={"{out}": "hydro database"})
-    words, places = "hydro database from NEMOH's results", {"folder": "FOLDER", "out": "DATABASE.nc"}
-    one = _command(commands, "import-nemoh", words, import_nemoh, **places)
+    words = "read NEMOH's results into a hydro database"
+    one = _command(commands, "import-nemoh", words, import_nemoh, folder="FOLDER", **into)
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one.set_defaults(writes={"{out}": "hydro database"})
 

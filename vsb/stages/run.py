@@ -45,7 +45,7 @@ RECORD_NAME = 254
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run a study, campaign or design problem, after validating all that can be known beforehand."""
+    """Check a study, campaign or design problem, then run what is not there yet."""
     from vsb.stages import verify
     from vsb.tools.files import attributes, check_folder
 
