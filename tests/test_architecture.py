@@ -14,11 +14,6 @@ ROOMS = ("errors", "tools", "keys", "engine", "study", "pipeline", "models", "re
 """Each imports only from itself and those before it."""
 ENGINE = ("waves", "shell", "hydro", "motion", "integrators")
 """Likewise within the engine."""
-TREES = {
-    ".".join(path.relative_to(HOME).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
-    for path in sorted((HOME / "vsb").rglob("*.py"))
-    if path.stem != "__init__"
-}
 HEAVY = {"scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 BY_NAME = re.compile(r"(?:__import__|import_module)\([^\"']*[\"'](\w[\w.]*)")
 
@@ -30,7 +25,9 @@ def named(node):
     if isinstance(node, ast.ImportFrom):
         base = ".".join(part for part in ("vsb" if node.level else "", node.module) if part)
         return [f"{base}.{alias.name}" for alias in node.names] if base.split(".")[0] == "vsb" else [base]
-    return BY_NAME.findall(ast.unparse(node)) if isinstance(node, ast.Call) else []
+    called = getattr(node, "func", None)
+    by_name = getattr(called, "attr", getattr(called, "id", "")) in ("__import__", "import_module")
+    return BY_NAME.findall(ast.unparse(node)) if by_name else []
 
 
 def imported(tree):
@@ -39,13 +36,24 @@ def imported(tree):
     return {top for top, _, _ in names}, {rest for top, _, rest in names if top == "vsb" and rest and rest[0] != "_"}
 
 
-IMPORTED = {name: imported(tree) for name, tree in TREES.items()}
+@pytest.fixture(scope="module")
+def trees():
+    """Source of every module; parsed by the tests that ask, as it takes seconds."""
+    paths = [path for path in sorted((HOME / "vsb").rglob("*.py")) if path.stem != "__init__"]
+    names = [".".join(path.relative_to(HOME).with_suffix("").parts) for path in paths]
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in zip(names, paths, strict=True)}
 
 
-def modules(name):
+@pytest.fixture(scope="module")
+def imports(trees):
+    """What every module imports."""
+    return {name: imported(tree) for name, tree in trees.items()}
+
+
+def modules(imports, name):
     """Modules of vsb that one imports, or imports something from."""
-    own = IMPORTED[name][1]
-    return {one for one in TREES if any(f"{found}.".startswith(f"{one.removeprefix('vsb.')}.") for found in own)}
+    own = imports[name][1]
+    return {one for one in imports if any(f"{found}.".startswith(f"{one.removeprefix('vsb.')}.") for found in own)}
 
 
 @pytest.mark.parametrize(
@@ -63,9 +71,9 @@ def test_every_form_of_import_is_found(code, packages, own):
     assert imported(ast.parse(code)) == (packages, own)
 
 
-def test_modules_import_only_from_lower_levels():
-    assert {name.split(".")[1] for name in TREES} == set(ROOMS)
-    for name, (_, own) in IMPORTED.items():
+def test_modules_import_only_from_lower_levels(imports):
+    assert {name.split(".")[1] for name in imports} == set(ROOMS)
+    for name, (_, own) in imports.items():
         below = set(ROOMS[: ROOMS.index(name.split(".")[1]) + 1])
         assert {found.partition(".")[0] for found in own} <= below, name
         if name.startswith("vsb.engine."):
@@ -73,21 +81,21 @@ def test_modules_import_only_from_lower_levels():
             assert {found.split(".")[1] for found in own if found.startswith("engine.")} <= lower, name
 
 
-def test_there_are_no_circular_imports():
-    left = {name: modules(name) - {name} for name in TREES}
+def test_there_are_no_circular_imports(imports):
+    left = {name: modules(imports, name) - {name} for name in imports}
     while ready := [name for name, needs in left.items() if not needs & left.keys()]:
         for name in ready:
             del left[name]
     assert not left
 
 
-def test_imports_that_are_reserved_to_one_place():
+def test_imports_that_are_reserved_to_one_place(imports):
     """Capytaine to the panels; of motion the integrators see systems alone."""
-    for name, (packages, _) in IMPORTED.items():
+    for name, (packages, _) in imports.items():
         assert not packages & {"benchmarks", "examples", "tests"}, name
         assert "capytaine" not in packages or name.startswith("vsb.engine.hydro.panels."), name
         if name.startswith("vsb.engine.integrators."):
-            motion = {one for one in modules(name) if one.startswith("vsb.engine.motion.")}
+            motion = {one for one in modules(imports, name) if one.startswith("vsb.engine.motion.")}
             assert motion <= {"vsb.engine.motion.system"}, name
 
 
@@ -97,11 +105,11 @@ def test_parsing_the_workflow_imports_nothing_heavy():
     assert done.stdout.split() == []
 
 
-def test_dataclasses_are_frozen():
+def test_dataclasses_are_frozen(trees):
     """But for those named here, which change while they work."""
     found = {
         (node.name, any(k.arg == "frozen" for d in node.decorator_list if isinstance(d, ast.Call) for k in d.keywords))
-        for tree in TREES.values()
+        for tree in trees.values()
         for node in ast.walk(tree)
         if isinstance(node, ast.ClassDef) and any("dataclass" in ast.unparse(d) for d in node.decorator_list)
     }
