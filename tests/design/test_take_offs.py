@@ -50,24 +50,58 @@ def test_derivatives_are_those_of_differences(climate, limits, key, control):
 FORCES = {"h": "heave", "r": {"colatitude": 120}}
 
 
+def years(model):
+    """Function values of the variables -> the year under the controller alone, which is not compared with dampers."""
+
+    def at(values):
+        study = model.study_at(values)
+        buoy = RestingBuoy.of(study, model.degree, model.design)
+        matrices = linearised(buoy, model.design, [], model.grid.solved, model.nodes)
+        return model.controlled(study, YearMotion(model.grid, *matrices, 0.0)).found
+
+    return at
+
+
 @pytest.mark.parametrize(
-    ("design", "force", "key", "ports", "control"),
+    ("design", "force", "key", "control"),
     [
-        ("VSWEC", 8e3, "device.radius", FORCES, {}),
-        ("VSWEC", 8e3, "device.internal_pressure", FORCES | {"s": {"colatitude": 60}}, {"forecast": 2.0}),
-        ("VSWEC", 5e4, "pto.port.ports.r.colatitude", FORCES, {"noise": 1e-3}),
-        ("FSB", 8e3, "device.mass", FORCES, {}),  # all ports move alike
-        ("VSWEC", 8e3, "device.mass", FORCES, {"noise": 0.1}),  # a damper matrix absorbs more
-        ("VSWEC", np.inf, "device.young_modulus", FORCES, {}),
+        ("VSWEC", 8e3, "device.radius", {"forecast": 1.0}),
+        ("VSWEC", 5e4, "pto.port.ports.r.colatitude", {"noise": 1e-3}),
+        ("FSB", 8e3, "device.mass", {}),  # all ports move alike
+        ("VSWEC", np.inf, "device.young_modulus", {}),
     ],
 )
-def test_derivatives_at_several_ports_are_those_of_differences(climate, design, force, key, ports, control):
+def test_derivatives_at_several_ports_are_those_of_differences(climate, design, force, key, control):
     """Signals outlast the frequencies of these few waves: derivatives are those of the very numbers."""
-    model = model_of(climate, RmsLimits(force), [key], design, pto={"ports": ports, "control": control})
+    pto = {"ports": FORCES, "matrix": "diagonal", "control": control}
+    model = model_of(climate, RmsLimits(force), [key], design, pto=pto)
+    found, year, (x,) = model.at(model.point).quantities, years(model), model.point
+    own = year([x])
+    names = {"annual_mean_power": "power", "force_rms": "force_rms"}
+    steps = {part: year([x * (1 + part)]) for part in (-2e-4, -1e-4, 1e-4, 2e-4)}
+    for name, part in names.items():
+        assert found[name].value == pytest.approx(getattr(own, part), rel=1e-9), name
+        near = {one: getattr(end, part) for one, end in steps.items()}
+        expected = (8 * (near[1e-4] - near[-1e-4]) - (near[2e-4] - near[-2e-4])) / (12e-4)
+        error, scale = found[name].gradient[0] * x - expected, max(found[name].value, abs(expected))
+        assert abs(error) <= (1e-5 if name == "force_rms" and force == np.inf else 1e-6) * scale, name
+
+
+@pytest.mark.parametrize(
+    ("key", "ports", "control"),
+    [
+        ("device.mass", FORCES, {"noise": 0.1}),
+        ("device.internal_pressure", FORCES | {"s": {"colatitude": 60}}, {"forecast": 2.0}),
+    ],
+)
+def test_a_damper_matrix_that_absorbs_more_has_the_derivatives_of_differences(climate, key, ports, control):
+    pto = {"ports": ports, "matrix": "diagonal", "control": control}
+    model = model_of(climate, RmsLimits(8e3), [key], pto=pto)
     found, expected = model.at(model.point).quantities, differences(model, 0, 1e-4)
-    for name, tolerance in (("annual_mean_power", 1e-6), ("force_rms", 1e-6 if force < np.inf else 1e-5)):
+    assert found["annual_mean_power"].value > years(model)(model.point).power
+    for name in ("annual_mean_power", "force_rms"):
         error = (found[name].gradient[0] - expected[name]) * model.point[0]
-        assert abs(error) <= tolerance * max(found[name].value, abs(expected[name] * model.point[0])), name
+        assert abs(error) <= 1e-6 * max(found[name].value, abs(expected[name] * model.point[0])), name
 
 
 @pytest.mark.parametrize(("design", "force"), [("FSB", 1e3), ("VSWEC90", 3e4)])
