@@ -45,7 +45,7 @@ def test_what_is_there_costs_nothing(tmp_path):
 
 
 def test_many_shell_modes_cost_the_cube_of_their_number(tmp_path):
-    """Measured 61 CPU-seconds of degree 30 and two flexible designs in 509 frequencies, which were told as 28."""
+    """Measured 61 CPU-seconds of degree 30 and two flexible designs in 509 frequencies, not 28."""
     costs_of = {}
     for degree in (9, 30, 60):
         plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": degree}), root=str(tmp_path))
@@ -73,7 +73,7 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
 
 @pytest.mark.parametrize(("tuning", "seconds"), [("each", 20.0), ("one", 0.0)])
 def test_damper_matrices_of_each_sea_are_counted(tmp_path, tuning, seconds):
-    """Two designs; 54 and 13 CPU-seconds of three were both told as 7."""
+    """Two designs; 54 and 13 CPU-seconds of three, not 7."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
     raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "modes": {"degree": 4}}
     raw |= {"designs": {"FSB": {"flexible": False}, "VSB": {}}}

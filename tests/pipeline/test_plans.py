@@ -199,13 +199,17 @@ def test_softer_thinner_and_vented_walls_and_smaller_tolerances_need_more_degree
         assert needed(**softer) > needed()
 
 
-def test_ports_between_points_and_in_surge_need_more_degrees(asked):
-    """The former resolve what bends about the points, over sqrt(r h)."""
+def test_ports_that_bend_the_wall_and_in_surge_need_more_degrees(asked):
+    """Those between two points resolve what bends about these, over sqrt(r h)."""
     turning = {"device": {"centre_of_mass": -0.5, "ballast_inertia": 8e3}, "reference_shape": "undeformed"}
     surging = varied(asked, motion="planar", mooring=[2e4, 0, 0, 0, 0, 0], pto={"port": "surge"}, **turning)
     between = varied(asked, pto={"port": {"between": [0, 180]}}, designs={"VSWEC": {}})
     assert degree_needed(surging) > degree_needed(asked)
-    assert degree_needed(between) >= 3.5 * bending_degree(asked)
+    assert degree_needed(between) >= min(4.5 * bending_degree(asked), DEGREES[-1])
+    vertical, radial = (
+        varied(asked, pto={"port": {"colatitude": 60, "direction": way}}) for way in ("vertical", "radial")
+    )
+    assert degree_needed(radial) > degree_needed(vertical) == degree_needed(asked)
 
 
 def test_water_around_other_shapes_is_solved_to_the_highest_degree(asked):

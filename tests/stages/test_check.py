@@ -154,7 +154,7 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
     ]
 
 
-def test_points_at_which_no_flexible_design_is_viable_are_told(folder, monkeypatch):
+def test_points_without_a_viable_flexible_design_are_named(folder, monkeypatch):
     """Inflated beyond what the law of Hooke holds for: p r (1 - nu) / (2 E h) alone is 35 % at 100 kPa."""
     monkeypatch.chdir(folder)
     wall = BASE["device"] | {"thickness": 0.02, "young_modulus": 1e7}

@@ -259,10 +259,10 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
         point = best.point
         if best.accepted:
             break
-        if curved and curved.saddle:
-            point = _off_saddle(scaled, point, found, curved)
         scaled = scaled.rescaled(point)
         point = scaled.at(point.place)
+        if curved and curved.saddle:
+            point = _off_saddle(scaled, point, found, curved)
     assert best is not None
     return best
 

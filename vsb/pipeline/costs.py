@@ -36,7 +36,7 @@ OF_FULL_MATRIX = 2.6
 """The latter over that of a damper at each port alone."""
 BINS, ONCE = 90, 0.1
 """Bins of Hs and Te of the years in which causal control was timed, and the part of that time that any year takes."""
-MOTION3_SECONDS = 1.2e-7
+RESPONSE_SECONDS = 1.2e-7
 """Of the motions of a flexible design at a frequency over their number cubed, in control levels, tables and figures
 together; measured with 61 and 121."""
 COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (1.0, 0.2)

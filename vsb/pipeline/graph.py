@@ -268,7 +268,7 @@ class ResultsPlan(Graph):
         """Highest frequency a sea may have components at [rad/s]."""
 
     @property
-    def resolved(self) -> float:
+    def response_seconds(self) -> float:
         """CPU time of motions that are solved anew at all frequencies for levels, tables and figures [s]."""
         return 0.0
 
@@ -326,7 +326,7 @@ class ResultsPlan(Graph):
             "ladder", LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro), table,
             {"database": self.database}, stamps=(self.database,), makes=(table, levels),
             files={"levels": levels, "manifest": self.manifest},
-            seconds=costs.ladder_seconds(study) + self.resolved / 4,
+            seconds=costs.ladder_seconds(study) + self.response_seconds / 4,
         )  # fmt: skip
 
     # time domain ----------------------------------------------------------------------------------------------------
@@ -389,7 +389,7 @@ class ResultsPlan(Graph):
         once, each = costs.COMPARED_SECONDS
         return Task.of(
             "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
-            seconds=once + each * len(self.runs) + self.resolved / 2,
+            seconds=once + each * len(self.runs) + self.response_seconds / 2,
             megabytes=costs.study_megabytes(self.study, self.coordinates),
         )  # fmt: skip
 
@@ -412,7 +412,7 @@ class ResultsPlan(Graph):
         modes = {"modes": self.modes.out} if self.modes else {}
         files, figures = self._read | modes, tuple(figure_names.paths(folder, figure_names.of_study(self.study)))
         needs = (*(one.out for one in (*self.solved.values(), *self.runs.values())), *modes.values())
-        seconds = costs.FIGURE_SECONDS * len(figures) + self.resolved / 4
+        seconds = costs.FIGURE_SECONDS * len(figures) + self.response_seconds / 4
         drawn = files | {"out": f"{folder}/figures"}
         yield Task("figures", self.study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
         report, tables = f"{folder}/report.html", compared.files["tables"]
@@ -449,13 +449,13 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
 
     @property
-    def resolved(self) -> float:
+    def response_seconds(self) -> float:
         """CPU time of motions that are solved anew at all frequencies for levels, tables and figures [s]."""
         if not self.study.needs_bem:
             return 0.0
         flexible = sum(one.flexible for one in self.study.designs.values())
         frequencies = sum(len(block.omega) for block in self.sweep_blocks)
-        return costs.MOTION3_SECONDS * flexible * frequencies * float(self.coordinates) ** 3
+        return costs.RESPONSE_SECONDS * flexible * frequencies * float(self.coordinates) ** 3
 
     @cached_property
     def modes(self) -> Task:

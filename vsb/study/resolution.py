@@ -381,10 +381,11 @@ def witness_spec(plan: HydroPlan) -> WitnessSpec:
 WITHIN = 4.0
 """Change of the power of a port within the shell over that of a port that heaves, in terms of the wall's stiffness over
 rho g [-]."""
-RADIAL = 8.0
-"""The same of a port normal to the wall at a ring, which drives the bending of a soft wall in waves [-]."""
 AT_POINTS = 4.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
+RADIAL = 8.0
+"""Change of the power of a port normal to the wall at a ring, which drives the bending of a soft wall in waves, over
+that of one that heaves [-]."""
 TURNS = 5.0
 """The same of a port that surges or pitches with the buoy: the shell is a spring between water and ballast [-]."""
 SHAPES = 2.0
@@ -434,8 +435,8 @@ def degree_needed(study: AnyBuoy) -> int:
 
     A wall as soft as the water resonates in waves; where the port lies within the shell, all power comes from what the
     wall yields, and of one between two points most of it yields near them; where the port surges or pitches, the shell
-    is a spring between the water and the ballast. How much is left out is measured afterwards
-    (`vsb.results.budget`).
+    is a spring between the water and the ballast; a port normal to the wall drives its bending. How much is left out is
+    measured afterwards (`vsb.results.budget`).
     """
     stiffness, port = wall_stiffness(study, 2), study.pto.port
     ports = [*port.ports.values()] if isinstance(port, SeveralPorts) else [port]

@@ -11,7 +11,7 @@ RUNS = ("run", "design")
 
 
 def one_thread() -> None:
-    """Have libraries that are loaded from now on, here and in processes to come, use one thread, unless told."""
+    """Have libraries that are loaded from now on, here and in processes to come, use one thread, or the number set."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
 

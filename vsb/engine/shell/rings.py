@@ -348,12 +348,18 @@ FINER = 2
 """Degree of the responses over that which resolves buckling, whose waves are those of bending about a ring [-]."""
 MOST = 400
 """Degree of the responses at most."""
-POWERS = 4
-"""Powers of |s|, each with its sign so that the derivative of its order jumps."""
+FLAT = 0.01
+"""Least curvature of a wall around the axis, by ds/dphi, for the length over which it bends beside a load [-]."""
+BESIDE_POLE = 1e-3
+"""Distance from a pole at which its curvature is taken [rad]."""
 GRADED = 0.3, 0.06, 0.012, 0.0024, 0.0005
 """Distances from a loaded pole between which the wall is integrated: bending there grows like a logarithm [rad]."""
 ROUND_OFF = 1e-14
 """Part of the largest eigenvalue below which one is round-off: kinks of neighbouring rings are nearly alike [-]."""
+
+
+Derivatives = tuple[FloatArray, FloatArray, FloatArray]
+"""A displacement and its first two derivatives by phi, each shape (point,)."""
 
 
 class _At(NamedTuple):
@@ -365,7 +371,10 @@ class _At(NamedTuple):
 
 
 class KinkModes(AttachmentModes):
-    """Residual attachment modes of a shell of any meridian, of order 0; below `HIGHEST` without kinks."""
+    """Residual attachment modes of a shell of any meridian, of order 0; below `HIGHEST` of degrees alone.
+
+    Displacements are those of degrees, and beside loaded rings and poles those of a wall there.
+    """
 
     @cached_property
     def _rings(self) -> tuple[float, ...]:
@@ -380,10 +389,10 @@ class KinkModes(AttachmentModes):
     @cached_property
     def _poles(self) -> tuple[float, ...]:
         """The poles that are loaded, 1 the upper and -1 the lower one."""
-        at = (
-            {load.colatitude for load in self.loads if isinstance(load, RingLoad)} if self.highest == HIGHEST else set()
-        )
-        return tuple(sorted({float(np.sign(np.cos(phi).real)) for phi in at if abs(np.sin(phi)) <= AT_POLE}))
+        if self.highest < HIGHEST:
+            return ()
+        at = [load.colatitude for load in self.loads if isinstance(load, RingLoad)]
+        return tuple(sorted({1.0 if np.real(phi) < 1 else -1.0 for phi in at if abs(np.sin(phi)) <= AT_POLE}))
 
     @property
     def resolved(self) -> int:
@@ -403,31 +412,41 @@ class KinkModes(AttachmentModes):
         return min(finest, MOST)
 
     def _kinks(self, phi: FloatArray) -> Displacements:
-        """Displacements with kinks at the rings."""
+        """Displacements of the wall beside the rings, whose derivatives jump there, and under loads at poles."""
         found: list[list[FloatArray]] = [[] for _ in Displacements._fields]
-        weight = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)
+
+        def add(part: Derivatives, way: tuple[FloatArray | float, ...]) -> None:
+            for column, value in zip(found, [share * one for share in way for one in part], strict=True):
+                column.append(value)
+
+        w, dw, ddw = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)  # regular at the poles
         for ring in self._rings:
-            at = curve(self.shell.meridian, np.array([ring]))
-            slope, sin, cos = length(at.dx, at.dz)[0], np.sin(ring), np.cos(ring)
-            tangent = (at.dx[0] * sin + at.dz[0] * cos) / slope, (at.dx[0] * cos - at.dz[0] * sin) / slope
-            normal = -tangent[1], tangent[0]
-            s, sign = phi - ring, np.where(np.real(phi - ring) < 0, -1.0, 1.0)
-            for k in range(1, POWERS + 1):
-                f, df = sign * s**k, k * sign * s ** (k - 1)
-                ddf = k * (k - 1) * sign * s ** max(k - 2, 0)
-                kink = (
-                    f * weight[0],
-                    df * weight[0] + f * weight[1],
-                    ddf * weight[0] + 2 * df * weight[1] + f * weight[2],
-                )
-                for way in (tangent,) if k == 1 else (tangent, normal):
-                    for column, value in zip(found, [share * part for share in way for part in kink], strict=True):
-                        column.append(value)
+            tangent, normal, rate = self._wall(ring)
+            along, across = _edge_effect(phi - ring, rate)
+            for way, parts in ((tangent, along), (normal, across)):
+                for f, df, ddf in parts:
+                    add((f * w, df * w + f * dw, ddf * w + 2 * df * dw + f * ddw), way)
         for pole in self._poles:
-            for part, way in _beside_pole(phi, pole):
-                for column, value in zip(found, [share * one for share in way for one in part], strict=True):
-                    column.append(value)
+            *_, rate = self._wall(BESIDE_POLE if pole > 0 else math.pi - BESIDE_POLE)
+            *across_wall, along_wall = _beside_pole(phi, pole, rate)
+            for part in across_wall:
+                add(part, (1, 0))
+            add(along_wall, (0, 1))
         return Displacements(*(np.array(column).reshape(len(column), len(phi)) for column in found))
+
+    def _wall(self, phi: float) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], FloatArray]:
+        """Tangent and normal at an angle, along e_r and e_phi, and beta ds/dphi: an edge effect falls like e^(-beta s).
+
+        beta^4 = 3 (1 - nu^2)/(R h)^2, R the radius of curvature around the axis.
+        """
+        at, shell = curve(self.shell.meridian, np.array([phi])), self.shell
+        slope, sin, cos = length(at.dx, at.dz)[0], np.sin(phi), np.cos(phi)
+        tangent = (at.dx[0] * sin + at.dz[0] * cos) / slope, (at.dx[0] * cos - at.dz[0] * sin) / slope
+        normal = -tangent[1], tangent[0]
+        across = normal[0] * sin + normal[1] * cos
+        curvature = max(across * np.sign(across.real) / at.x[0], FLAT / slope, key=np.real)
+        beta = (3 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(curvature / shell.thickness)
+        return tangent, normal, beta * slope
 
     def _displacements(self, phi: FloatArray) -> Displacements:
         """Displacements of degrees, then those with kinks."""
@@ -523,20 +542,37 @@ class KinkModes(AttachmentModes):
         return modes @ hoop, modes @ meridional
 
 
-def _beside_pole(
-    phi: FloatArray, pole: float
-) -> list[tuple[tuple[FloatArray, FloatArray, FloatArray], tuple[int, int]]]:
-    """Displacements under a point load at a pole, each with two derivatives, and their shares along e_r and e_phi.
+def _edge_effect(s: FloatArray, rate: FloatArray) -> tuple[list[Derivatives], list[Derivatives]]:
+    """Displacements along the wall and normal to it beside a ring at s = 0, each with two derivatives.
 
-    They are s^2 ln s and s^4 ln s along e_r, and sin(phi) s^2 ln s along e_phi, with s^2 = 2 (1 -+ cos(phi)).
+    Along it |s|, where a membrane force jumps. The others are the edge effect (Geckeler 1926), with x = rate |s|:
+    e^-x (cos x + sin x), where a transverse force jumps, and sign(s) e^-x sin x, where a moment does, normal to the
+    wall, and their integrals along it.
     """
-    sin, cos = np.sin(phi), np.cos(phi)
-    s, ds, dds = 2 - 2 * pole * cos, 2 * pole * sin, 2 * pole * cos  # s^2 and its derivatives
-    logarithm = np.log(s)
-    f = s * logarithm, (logarithm + 1) * ds, ds**2 / s + (logarithm + 1) * dds
-    g = s**2 * logarithm, (2 * logarithm + 1) * s * ds, (2 * logarithm + 3) * ds**2 + (2 * logarithm + 1) * s * dds
+    sign = np.where(np.real(s) < 0, -1.0, 1.0)
+    x = rate * sign * s
+    fall, cos, sin = np.exp(-x), np.cos(x), np.sin(x)
+    kink = sign * s, sign, 0 * s
+    force = fall * (cos + sin), -2 * rate * sign * fall * sin, 2 * rate**2 * fall * (sin - cos)
+    moment = sign * fall * sin, rate * fall * (cos - sin), -2 * rate**2 * sign * fall * cos
+    of_force = sign * (1 - fall * cos), rate * force[0], rate * force[1]
+    return [kink, of_force, force], [force, moment]
+
+
+def _beside_pole(phi: FloatArray, pole: float, rate: FloatArray) -> tuple[Derivatives, ...]:
+    """Displacements of the wall under a point load at a pole, each with two derivatives.
+
+    With t = s^2 = 2 (1 -+ cos(phi)) they are t ln t and t^2 ln t normal to the wall and sin(phi) t ln t along it, all
+    times e^(-rate^2 t/5): far from the pole degrees suffice.
+    """
+    sin, cos, k = np.sin(phi), np.cos(phi), rate**2 / 5
+    t, dt, ddt = 2 - 2 * pole * cos, 2 * pole * sin, 2 * pole * cos
+    log, near = np.log(t), np.exp(-k * t)
+    e, de, dde = near, -k * dt * near, (k**2 * dt**2 - k * ddt) * near
+    f = t * log, (log + 1) * dt, dt**2 / t + (log + 1) * ddt
+    g = t**2 * log, (2 * log + 1) * t * dt, (2 * log + 3) * dt**2 + (2 * log + 1) * t * ddt
     h = sin * f[0], cos * f[0] + sin * f[1], sin * (f[2] - f[0]) + 2 * cos * f[1]
-    return [(f, (1, 0)), (g, (1, 0)), (h, (0, 1))]
+    return tuple((a * e, da * e + a * de, dda * e + 2 * da * de + a * dde) for a, da, dda in (f, g, h))
 
 
 def _static(stiffness: FloatArray, loads: FloatArray, kept: IntArray) -> FloatArray:
