@@ -12,8 +12,9 @@ from conftest import SEED
 
 from vsb.errors import ConfigError, VsbError
 from vsb.pipeline.graph import StudyPlan, Task
-from vsb.stages.stage import exclusive_lock, run_side_by_side, stamp
+from vsb.stages.stage import exclusive_lock, run_side_by_side, shared_lock, stamp
 from vsb.study.study import load
+from vsb.tools import files
 
 
 def test_stamp_depends_on_specification_and_source_files():
@@ -38,6 +39,24 @@ def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
             exclusive_lock(root).__enter__()
     with exclusive_lock(root):
         pass
+
+
+def test_every_shared_file_of_a_task_is_held_until_it_is_done(tmp_path):
+    """Also those of one folder, once."""
+    names = [f"{16 * digit}" for digit in "0ab"]
+    paths = [f"hydro/blocks/{names[2]}.nc", f"hydro/blocks/{names[0]}.nc", *(f"mesh/{names[1]}/{end}" for end in "xy")]
+
+    def free():
+        found = {}
+        for path in (path for path in tmp_path.rglob("*") if path.is_file()):
+            with path.open() as handle:
+                found[path.name] = files.take(handle.fileno())
+        return found
+
+    with shared_lock(tmp_path, paths) as handles:
+        assert len(handles) == 3
+        assert free() == dict.fromkeys(names, False)
+    assert free() == dict.fromkeys(names, True)
 
 
 def some(*chain):
