@@ -3,6 +3,7 @@
 import html
 import itertools
 import json
+import math
 import os
 import re
 import subprocess
@@ -23,12 +24,15 @@ from examples.power_from_strain import SEAS
 from examples.published.pages import Value
 from examples.when_flexibility_pays import DEGREE
 from vsb.engine.motion.port import Port
+from vsb.engine.shell.loaded import equilibrium, stable_path
 from vsb.engine.waves.kinds import RegularWave
 from vsb.engine.waves.water import power_limit
 from vsb.errors import VsbError
 from vsb.models.floating_system import floating_system
-from vsb.models.rest import computed_buckling, reference_shell
-from vsb.models.viability import static_modal_amplitude, static_strain
+from vsb.models.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, reference_shell
+from vsb.models.viability import static_modal_amplitude, static_strain, viable, wrinkles
+from vsb.pipeline.graph import StudyPlan
+from vsb.pipeline.plans import with_degree
 from vsb.report.answer import gain_band
 from vsb.results.ledger import classical_check
 from vsb.stages.make import hydro_files
@@ -503,6 +507,95 @@ def _with_modes(study: Study, basis: str, degree: int) -> Study:
     return parse({**study.model_dump(), "modes": {"basis": basis, "degree": degree}})
 
 
+def statics(folder: Path) -> dict[str, Value]:
+    """Loads at which shells give way: the paper's, open inside and under pressure, and that of config/rubber.yaml."""
+    del folder
+    study, rubber = with_degree(StudyPlan(vsb.load(PAPER_SHELL))).study, vsb.load(HOME / "config" / "rubber.yaml")
+    shell, least = complete_loaded_shell(study), viable(study).pressure
+    carried, at_rest = complete_at_rest(_at_pressure(study, least))
+    found: dict[str, Value] = {
+        "classical.pressure": shell.basis.shell.buckling_pressure,
+        "keel": study.water.density * study.water.gravity * study.draft / 1e3,
+        "linear": 100 * computed_buckling(study).load_factor,
+        "linear.degree": computed_buckling(study).degree,
+        "classical": 100 / float(classical_check(study, reference_shell(study)).value),
+        "path": 100 * stable_path(shell).reached,
+        "least.linear": least / 1e3,
+        "least.path": bound(study, carries_load, 13.0e3, 16.0e3) / 1e3,
+        "strain": 100 * float(np.max(carried.elastic.strains(at_rest))),
+        "rubber.tense": bound(rubber, lambda one: not wrinkles(*complete_at_rest(one)).compressed, 13e3, 18e3) / 1e3,
+        "rubber.limit": bound(rubber, lambda one: not carries_load(one), 30.0e3, 34.0e3) / 1e3,
+    }
+    for pressure in (10, 22, 30, 33):
+        shell = complete_loaded_shell(_at_pressure(rubber, 1e3 * pressure))
+        reached = stable_path(shell, until=2.0).reached
+        found |= {f"rubber.{pressure}.load": reached, f"rubber.{pressure}.percent": 100 * reached}
+        if pressure in (22, 30):
+            strains = np.array(shell.elastic.strains(equilibrium(shell)))
+            for name, strain in (("least", strains.min()), ("most", strains.max())):
+                found[f"rubber.{pressure}.{name}"] = math.sqrt(1 + 2 * strain)
+    return found
+
+
+def shape_dependence(folder: Path) -> dict[str, Value]:
+    """How far the power of the free shell of config/few_modes.yaml depends on the shapes its motion passes through."""
+    printed = vsb_command("shape-dependence", "config/few_modes.yaml", "shape", folder=folder)
+    (found,) = re.findall(rf"{FREE}, \S+: (\S+) W changes by (\S+) to (\S+) % .*?, (\S+) % on average", printed)
+    return dict(zip(("power", "low", "high", "mean"), map(float, found), strict=True))
+
+
+def bound(study: Study, holds: Callable[[Study], bool], low: float, high: float) -> float:
+    """Return the internal pressure between two from which on something holds, to 20 Pa [Pa]."""
+    while high - low > 20.0:
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(_at_pressure(study, middle)) else (middle, high)
+    return high
+
+
+def _at_pressure(study: Study, pressure: float) -> Study:
+    """A study with another internal pressure [Pa]."""
+    raw = study.model_dump()
+    return parse({**raw, "device": {**raw["device"], "internal_pressure": pressure}})
+
+
+def bodies(folder: Path) -> dict[str, Value]:
+    """Powers of the barge with a hinge, of WEC-Sim's two bodies and barge, and the float's year at three springs."""
+    for name in ("hinged_barge", "float_year"):
+        vsb_command("run", f"config/{name}.yaml", folder=folder)
+    hinged, year = (vsb.open(folder / "results" / name) for name in ("hinged_barge", "float_year"))
+    assert isinstance(hinged, vsb.Results)
+    assert isinstance(year, vsb.Campaign)
+    found: dict[str, Value] = {}
+    for row in hinged.comparison.to_dict("records"):
+        place = f"hinge.{row['wave'].rpartition('_T')[2]}.{row['design']}"
+        found |= {f"{place}.{end}": float(row[f"power_{end}"]) / 1e3 for end in ("mean", "low", "high")}
+    for row in hinged.ladder[hinged.ladder.rung == "best_spring_damper"].to_dict("records"):
+        found[f"hinge.{row['wave'].rpartition('_T')[2]}.{row['design']}.spring"] = float(row["power_mean"]) / 1e3
+    (gap,) = hinged.checks.value[hinged.checks.name.str.endswith("hinge_gap")]
+    stiffness = float(hinged.database.hydrostatic_stiffness.sel(influenced_dof="Hinge", radiating_dof="Hinge"))
+    found |= {"gap": 100 * float(gap), "hinge.stiffness": stiffness / 1e6, "sealed": stiffness / 1e6 / (1 - float(gap))}
+    for row in year.table[(year.table.design == "heave") & (year.table.tuning == "one")].to_dict("records"):
+        found[f"year.{row['pto.stiffness']:g}"] = float(row["annual_energy"])
+    for name, data in (("rm3", "rm3/rm3"), ("wec_sim_barge", "barge/barge")):
+        results = printed_study(name, f"wamit: {HOME / 'tests' / 'data' / data}", folder)
+        for row in results.comparison.to_dict("records"):
+            found[f"{name}.{row['design']}"] = float(row["power_mean"]) / 1e3
+        apart = results.checks.value[results.checks.name == "time_and_frequency_domain"]
+        found[f"{name}.time"] = 100 * float(apart.max())
+    return found
+
+
+def printed_study(name: str, source: str, folder: Path) -> vsb.Results:
+    """Run a study that the page on bodies prints, with WAMIT's files where they are here."""
+    page = (HOME / "docs" / "own-body.md").read_text(encoding="utf-8")
+    (text,) = re.findall(rf"```yaml\n(study: {name}\n.*?)```", page, re.DOTALL)
+    write_text(folder / f"{name}.yaml", re.sub(r"wamit: \w+", lambda _: source, text))
+    vsb_command("run", f"{name}.yaml", folder=folder)
+    results = vsb.open(folder / "results" / name)
+    assert isinstance(results, vsb.Results)
+    return results
+
+
 PAPERS = ("paper", "paper_inferred")
 CONDITIONS = "conditions"
 SOURCES: Mapping[str, Source] = {
@@ -547,6 +640,12 @@ SOURCES: Mapping[str, Source] = {
     "paper.radiation": Source(
         "vsb run config/seed.yaml, with modes: {basis: membrane, degree: 6}; vsb run config/pressurised.yaml",
         with_radiation,
+    ),
+    "statics": Source("vsb check of config/seed.yaml and config/rubber.yaml at other pressures", statics, quick=True),
+    "shape": Source("vsb shape-dependence config/few_modes.yaml shape", shape_dependence),
+    "bodies": Source(
+        "vsb run config/hinged_barge.yaml, config/float_year.yaml, and studies rm3 and wec_sim_barge of the page",
+        bodies,
     ),
     **{
         f"claims.{name}": Source(f"python -m examples.claims results/claims {name}", partial(claim, name))

@@ -1,5 +1,6 @@
 """Estimated CPU time and memory: measured runs of shipped files, what is left of a run, and campaigns about an equilibrium."""
 
+import math
 from dataclasses import replace
 
 import psutil
@@ -13,6 +14,7 @@ from vsb.pipeline import jobs as schedule
 from vsb.pipeline.graph import StudyPlan, Task
 from vsb.pipeline.jobs import jobs
 from vsb.pipeline.plans import plan_of
+from vsb.stages.check import cost_lines
 from vsb.study.study import load, parse
 
 MEASURED = 20.0
@@ -32,7 +34,7 @@ def test_estimate_is_within_a_factor_of_two_of_a_measured_run(tmp_path):
 
 
 def test_what_is_there_costs_nothing(tmp_path):
-    """A run that was killed goes on: only jobs whose files are missing are counted."""
+    """A run that was killed goes on: only jobs whose files are missing are counted; both solvers took 6.7 s."""
     plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": 9}), root=str(tmp_path))
     before = seconds(plan)
     for job in jobs(plan):
@@ -40,22 +42,38 @@ def test_what_is_there_costs_nothing(tmp_path):
             for path in job.makes:
                 (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
                 (tmp_path / path).touch()
-    assert seconds(plan) < before - 10
+    assert seconds(plan) < before - 6
     assert "6 of 8 jobs" in schedule.cost_line(plan, {})
 
 
-def test_many_shell_modes_cost_the_cube_of_their_number(tmp_path):
-    """Measured 61 CPU-seconds of degree 30 and two flexible designs in 509 frequencies, not 28."""
-    costs_of = {}
-    for degree in (9, 30, 60):
-        plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": degree}), root=str(tmp_path))
-        costs_of[degree] = sum(task.seconds for task in plan.tasks if task.stage in ("ladder", "compare", "figures"))
-    assert costs_of[60] - costs_of[9] == pytest.approx(8 * (costs_of[30] - costs_of[9]), rel=0.1)
-    assert 5 < costs_of[30] - costs_of[9] < 40
+REGULAR, IRREGULAR = {"kind": "regular", "amplitude": 0.1, "period": 3.5}, {"kind": "jonswap", "hs": 0.4, "tp": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("degree", "height", "depth", "wave", "measured"),
+    [
+        (6, None, math.inf, REGULAR, 5.8),
+        (30, None, math.inf, REGULAR, 11.5),
+        (60, None, math.inf, REGULAR, 21.3),
+        (30, None, math.inf, IRREGULAR, 37.1),
+        (15, 4.4, 15.0, REGULAR, 11.8),
+        (30, 4.4, math.inf, REGULAR, 12.7),
+        (30, 4.4, 15.0, REGULAR, 19.1),
+    ],
+)
+def test_shell_modes_depth_and_seas_are_counted(tmp_path, degree, height, depth, wave, measured):
+    """CPU-seconds of a rigid and a free design: within a factor of two."""
+    device = {"radius": 2.0, "thickness": 0.03, "young_modulus": 4e8, "poisson_ratio": 0.3, "density": 1100.0}
+    device |= {"mass": 17000.0, "damping": {"beta": 1e-3}}
+    device |= {"shape": {"spheroid": {"height": height}}} if height else {}
+    raw = {"study": "one", "device": device, "designs": {"FSB": {"flexible": False}, "VSB": {}}, "waves": [wave]}
+    raw |= {"modes": {"basis": "full", "degree": degree}, "hydro": {"witness": "none"}, "water": {"depth": depth}}
+    found = seconds(StudyPlan(parse(raw), root=str(tmp_path)))
+    assert measured / 2 < found < 2 * measured
 
 
 def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
-    """Measured about 1.2 s of each, 0.2 with another spring alone; of an undeformed shape a tenth of that."""
+    """Measured 0.8 to 1.2 s of each, 0.2 with another spring alone; of an undeformed shape a tenth of that."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
     raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "modes": {"degree": 9}}
     given = {"campaign": "many", "study": "shell.yaml", "climate": {"spectra": "sea.txt"}}
@@ -67,8 +85,8 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
             (tmp_path / "many.yaml").write_text(yaml.safe_dump({**given, "vary": vary}))
             plan = replace(plan_of(str(tmp_path / "many.yaml")), root=str(tmp_path / "results"))
             found[shape, count] = sum(task.seconds for task in plan.tasks if task.stage == "members")
-    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.2, rel=0.1)
-    assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.016)
+    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.0, rel=0.2)
+    assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.12, rel=0.3)
 
 
 @pytest.mark.parametrize(("tuning", "seconds"), [("each", 20.0), ("one", 0.0)])
@@ -82,6 +100,27 @@ def test_damper_matrices_of_each_sea_are_counted(tmp_path, tuning, seconds):
     given = {"campaign": "one", "study": "shell.yaml", "climate": {"spectra": "sea.txt"}, "tuning": [tuning]}
     (tmp_path / "one.yaml").write_text(yaml.safe_dump(given))
     assert plan_of(str(tmp_path / "one.yaml")).member_seconds == pytest.approx(seconds + 0.016)
+
+
+def test_causal_control_costs_the_cells_and_the_band(tmp_path):
+    """Two points of a small buoy at PacWave, measured 72 CPU-seconds, were told as 21."""
+    raw = {"study": "shell", "device": {"radius": 0.715, "thickness": 0.00615, "young_modulus": 3e7}}
+    raw["device"] |= {"poisson_ratio": 0.29, "density": 1032.0, "mass": 763.0, "internal_pressure": 1.2e4}
+    raw |= {"designs": {"FSB": {"flexible": False}, "VSB": {}}, "modes": {"basis": "full", "degree": 6}}
+    raw |= {"water": {"depth": 3.63}, "waves": [{"kind": "still"}]}
+    (tmp_path / "shell.yaml").write_text(yaml.safe_dump(raw))
+    table = EXAMPLE.parent / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
+    given = {"campaign": "two", "study": "shell.yaml", "vary": {"device.young_modulus": [3e7, 9e7]}}
+    given |= {"climate": {"scatter": str(table), "spectrum": "jonswap"}, "tuning": ["causal", "damper_same_force"]}
+    (tmp_path / "two.yaml").write_text(yaml.safe_dump(given))
+    plan = replace(plan_of(str(tmp_path / "two.yaml")), root=str(tmp_path / "results"))
+    assert 36 < sum(task.seconds for task in plan.tasks if task.stage == "members") < 144
+
+
+def test_body_solved_in_parts_costs_the_planes_of_symmetry_it_has():
+    """Its mesh has two, which a plan does not know: 18 CPU-seconds were told as 108."""
+    (line,) = cost_lines(plan_of(str(EXAMPLE.parent / "hinged_barge.yaml"), "nowhere"))
+    assert 9 < float(line.split("about ")[1].removesuffix(" s on one core")) < 36
 
 
 def test_points_of_panels_cost_their_panels(tmp_path):

@@ -12,40 +12,50 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
 from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.kinds import Wave
+from vsb.engine.waves.water import Water
 from vsb.study.campaign import CAUSAL
-from vsb.study.resolution import BlockSpec
+from vsb.study.resolution import BlockSpec, degree_needed
 from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy, Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
-START_OF_A_PROCESS = 3.5
+START_OF_A_PROCESS = 2.5
 """Of Python, its imports, and what is checked before a run."""
 GREEN_SECONDS, GREEN_KEPT_SECONDS = 20.0, 0.2
 """Of the Green-function table of panels: computed once on a machine, then copied."""
-MEMORY_SECONDS = 1.5
-"""Of the radiation memory of a database."""
+OF_MOTIONS = {
+    "display": (0.1, 0.02), "radiation": (0.4, 0.02), "response": (0.3, 0.006), "simulate": (0.1, 0.006),
+    "figures": (0.0, 0.012),
+}  # fmt: skip
+"""Of stages, once and for each motion: of the shell, in response and figures of each flexible design. Measured with 13
+to 121 motions, as all that depends on them."""
+DATABASE_SECONDS = (0.1, 1e-4)
+"""Of a database of the spectral solver, once and for its motions squared."""
+LEFT_OUT_SECONDS = 1e-3
+"""Of powers with up to twice as many shell modes, over their degree squared."""
 START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
-FIGURE_SECONDS = 0.2
+FIGURE_SECONDS = 0.15
 """Of a file of a figure; each has two."""
-LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.5, 0.5, (5.0, 25.0)
+LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.2, 0.5, (5.0, 25.0)
 """Of the control levels, and how many more of a design in an irregular sea, whose control is causal too; of a rigid
 and of a flexible one at several ports."""
 OF_FULL_MATRIX = 2.6
 """The latter over that of a damper at each port alone."""
 BINS, ONCE = 90, 0.1
 """Bins of Hs and Te of the years in which causal control was timed, and the part of that time that any year takes."""
-RESPONSE_SECONDS = 1.2e-7
-"""Of the motions of a flexible design at a frequency over their number cubed, in control levels, tables and figures
-together; measured with 61 and 121."""
-COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (1.0, 0.2)
+IN_A_SEA_SECONDS = 3.3e-4
+"""Of what a take-off sees at the 1500 components of an irregular sea, over the squared motions of a flexible design."""
+IN_SEAS = {"ladder": 6, "compare": 9, "figures": 4, "report": 1}
+"""How often stages ask for that: for causal control in five seas, each with its own components, and others."""
+COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (0.3, 0.2)
 """Of the tables and of the page, each also for every run in time."""
-SPECTRAL_SECONDS = 0.4
-"""Of the coefficients of one azimuthal order of a shape, all frequencies."""
+SPECTRAL_SECONDS = {"deep": (0.1, 2.6e-4), "finite": (0.1, 1.4e-3)}
+"""Of the coefficients of one azimuthal order of a shape, all frequencies, once and for its displacements squared."""
 PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
-WITNESS_ROW2_SECONDS = 4e-4
+WITNESS_ROW2_SECONDS = 2.6e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
 RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 7e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
@@ -54,10 +64,12 @@ DEGREE, BY_DEGREE, OF_RIGID = 9.0, 1.3, 1.5
 a rigid buoy counts as: measured from 6 to 20."""
 OF_SHAPE = 6.0
 """How many times as long a body-exact run of another shape than the sphere takes: of capsules."""
-LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
+LATCHING_TIME_SECONDS = {"rigid": 2.5, "flexible": 15.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
-LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
+LATCHED_SECONDS = {"rigid": 0.05, "flexible": 0.2, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
+AT_THE_SHELL = 8.0
+"""How many times as long it takes where the port moves with the wall, whose modes are far faster than the waves."""
 REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.06
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out; and one that shares
 the shape of another, such as with another spring."""
@@ -71,6 +83,8 @@ FREQUENCIES_SECONDS, MOST_OF_FREQUENCIES = 10.0, 32
 """What the frequencies of a body that are solved apart are to take at least, and in how many parts at most."""
 MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member of a campaign whose coefficients are there, of coefficients of a shape."""
+CAUSAL_BAND = 12.0
+"""Highest frequency to which causal control was timed [rad/s]: the time grows in proportion to it."""
 CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
 """CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
 MATRICES_SECONDS = 10.0
@@ -109,18 +123,46 @@ def memory_doubts(gigabytes: float) -> list[str]:
 def block_seconds(block: BlockSpec) -> float:
     """Return the CPU time of the coefficients of a block of frequencies [s]."""
     if not isinstance(block, PanelsSpec):
-        return SPECTRAL_SECONDS
+        return spectral_seconds(block.water, len(block.displacements))
     return PANEL_ROW2_SECONDS * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
 
 
-def latching_seconds(study: BaseStudy, wave: Wave) -> float:
+def spectral_seconds(water: Water, displacements: int) -> float:
+    """Return the CPU time of the coefficients of so many displacements by the spectral solver [s]."""
+    once, each = SPECTRAL_SECONDS["deep" if math.isinf(water.depth) else "finite"]
+    return once + each * displacements**2
+
+
+def left_out_seconds(buoy: AnyBuoy) -> float:
+    """Return the CPU time of powers with up to twice as many shell modes, their water left out [s]."""
+    return float(LEFT_OUT_SECONDS * _enough(buoy) ** 2)
+
+
+def finer_water_seconds(buoy: AnyBuoy) -> float:
+    """Return the CPU time of the water around these modes, at the frequencies of a year's mean sea [s]."""
+    return spectral_seconds(buoy.water, 2 * _enough(buoy) * (1 if buoy.device.shape is None else 2))
+
+
+def _enough(buoy: AnyBuoy) -> int:
+    """Degree of the shell modes with which powers are compared, 0 of a rigid buoy."""
+    return max(buoy.modes.max_degree, degree_needed(buoy)) if buoy.flexible else 0
+
+
+def motions_seconds(stage: str, motions: int) -> float:
+    """Return the CPU time of a stage by the number of motions [s]."""
+    once, each = OF_MOTIONS[stage]
+    return once + each * motions
+
+
+def latching_seconds(study: BaseStudy, wave: Wave, *, flexible: bool) -> float:
     """Return the CPU time of the search for the latching time of one design in a sea [s]; with its damping twice."""
     if not study.pto.has_latching_time or wave.still:
         return 0.0
-    regular, wet = wave.regular, bool(study.hydro.model != "linear")
-    costs = LATCHING_TIME_SECONDS if regular else LATCHED_SECONDS
-    each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
-    return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
+    costs = LATCHING_TIME_SECONDS if wave.regular else LATCHED_SECONDS
+    each = costs["flexible" if flexible else "rigid"] * (1 + (study.tuning(wave) == "each"))
+    each *= AT_THE_SHELL if flexible and study.pto.port != "heave" else 1.0
+    wet = costs["body_exact"] if study.hydro.model != "linear" else 0.0
+    return (each + wet) * (1.0 if wave.regular else study.simulation.duration)
 
 
 def witness_seconds(shapes: int, spec: WitnessSpec) -> float:
@@ -145,10 +187,11 @@ def body_seconds(file: BodyFile, matrices: float) -> float:
 def ladder_seconds(study: BaseStudy) -> float:
     """Return the CPU time of the control levels of a study [s]."""
     irregular = sum(wave.irregular for wave in study.waves)
+    once = LADDER_SECONDS + (left_out_seconds(study.buoy) if study.buoy else 0.0)
     if not study.pto.several or not isinstance(study, Study):
-        return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
+        return once + CAUSAL_SECONDS * irregular * len(study.designs)
     full = OF_FULL_MATRIX if isinstance(study.pto.port, SeveralPorts) and study.pto.port.matrix == "full" else 1.0
-    return LADDER_SECONDS + irregular * full * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
+    return once + irregular * full * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
 
 
 def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
@@ -157,7 +200,8 @@ def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float
     seas = 2.0 if wave.irregular else 1.0  # of many components
     if study.buoy and study.buoy.hydro.model == "body_exact":
         seas *= _of_wall(study.buoy, flexible=flexible)
-    return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
+    shell = flexible and study.buoy is not None
+    return once + seas * each * study.simulation.duration + latching_seconds(study, wave, flexible=shell)
 
 
 def _of_wall(buoy: AnyBuoy, *, flexible: bool) -> float:
@@ -176,7 +220,7 @@ def verification_seconds(spec: VerificationSpec) -> float:
     year = CAUSAL_YEAR_SECONDS * len(spec.designs) if controlled else 0.0
     if "each" in spec.tuning:
         year = matrices_of_year(spec.pto, len(spec.designs))
-    return MEMORY_SECONDS + each * designs + year
+    return motions_seconds("radiation", 0) + each * designs + year
 
 
 def matrices_of_year(pto: Pto, designs: int) -> float:

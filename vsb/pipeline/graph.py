@@ -268,9 +268,14 @@ class ResultsPlan(Graph):
         """Highest frequency a sea may have components at [rad/s]."""
 
     @property
-    def response_seconds(self) -> float:
-        """CPU time of motions that are solved anew at all frequencies for levels, tables and figures [s]."""
-        return 0.0
+    def moved(self) -> int:
+        """How many motions all flexible designs have together."""
+        return 0
+
+    def _in_seas(self, stage: str) -> float:
+        """CPU time a stage takes to know what the take-off sees in irregular seas [s]."""
+        seas = len({wave.family for wave in self.study.waves if wave.irregular}) if self.study.needs_bem else 0
+        return costs.IN_SEAS[stage] * costs.IN_A_SEA_SECONDS * seas * self.moved * self.coordinates
 
     @abstractmethod
     def _water(self) -> Iterator[Task]:
@@ -298,7 +303,7 @@ class ResultsPlan(Graph):
         hydro, memory = self.study.hydro, {} if self.study.buoy else {"added_mass_inf": self.study.hydro.added_mass_inf}
         spec = RadiationSpec(database=self.database.id, tolerance=hydro.tolerance, **memory)
         read, out = {"database": self.database}, radiation_path(self.root, ID)
-        return Task.of("radiation", spec, out, read, seconds=costs.MEMORY_SECONDS)
+        return Task.of("radiation", spec, out, read, seconds=costs.motions_seconds("radiation", self.coordinates))
 
     @cached_property
     def response(self) -> Task:
@@ -307,7 +312,8 @@ class ResultsPlan(Graph):
         omega = {wave.omega for wave in self.study.waves if wave.regular} | {*grid.pop("omega", ())}
         spec = ResponseSpec(system=self.system(), omega=tuple(sorted(omega)), directions=self.study.directions, **grid)
         read, out = {"database": self.database}, f"{self.folder}/response.nc"
-        return Task.of("response", spec, out, read, stamps=(self.database,), seconds=0.8)
+        seconds = costs.motions_seconds("response", self.moved)
+        return Task.of("response", spec, out, read, stamps=(self.database,), seconds=seconds)
 
     @property
     def _response_grid(self) -> dict[str, Any]:
@@ -326,7 +332,7 @@ class ResultsPlan(Graph):
             "ladder", LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro), table,
             {"database": self.database}, stamps=(self.database,), makes=(table, levels),
             files={"levels": levels, "manifest": self.manifest},
-            seconds=costs.ladder_seconds(study) + self.response_seconds / 4,
+            seconds=costs.ladder_seconds(study) + self._in_seas("ladder"),
         )  # fmt: skip
 
     # time domain ----------------------------------------------------------------------------------------------------
@@ -356,7 +362,10 @@ class ResultsPlan(Graph):
             **({"hydro": Dynamics(**dynamics)} if dynamics else {}),
         )
         solved, out = self._hydro, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
+        motions = self.coordinates if self.moved and study.designs[design].flexible else 0
         seconds = costs.run_seconds(study, wave, flexible=study.designs[design].flexible)
+        seconds += costs.motions_seconds("simulate", motions)
+        seconds += 2 * wave.irregular * costs.IN_A_SEA_SECONDS * motions**2  # of its spectrum and of its record
         memory = costs.run_megabytes(study, wave, self.coordinates, self.highest)
         return Task.of("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
 
@@ -389,7 +398,7 @@ class ResultsPlan(Graph):
         once, each = costs.COMPARED_SECONDS
         return Task.of(
             "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
-            seconds=once + each * len(self.runs) + self.response_seconds / 2,
+            seconds=once + each * len(self.runs) + self._in_seas("compare"),
             megabytes=costs.study_megabytes(self.study, self.coordinates),
         )  # fmt: skip
 
@@ -412,13 +421,14 @@ class ResultsPlan(Graph):
         modes = {"modes": self.modes.out} if self.modes else {}
         files, figures = self._read | modes, tuple(figure_names.paths(folder, figure_names.of_study(self.study)))
         needs = (*(one.out for one in (*self.solved.values(), *self.runs.values())), *modes.values())
-        seconds = costs.FIGURE_SECONDS * len(figures) + self.response_seconds / 4
+        seconds = costs.FIGURE_SECONDS * len(figures) + costs.motions_seconds("figures", self.moved)
+        seconds += self._in_seas("figures")
         drawn = files | {"out": f"{folder}/figures"}
         yield Task("figures", self.study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
         report, tables = f"{folder}/report.html", compared.files["tables"]
         files |= {"tables": tables, "figures": f"{folder}/figures", "out": report}
         once, each = costs.REPORTED_SECONDS
-        needs, seconds = (*needs, tables, *figures), once + each * len(self.runs)
+        needs, seconds = (*needs, tables, *figures), once + each * len(self.runs) + self._in_seas("report")
         yield Task("report", self.study, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
 
     @property
@@ -449,13 +459,9 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
 
     @property
-    def response_seconds(self) -> float:
-        """CPU time of motions that are solved anew at all frequencies for levels, tables and figures [s]."""
-        if not self.study.needs_bem:
-            return 0.0
-        flexible = sum(one.flexible for one in self.study.designs.values())
-        frequencies = sum(len(block.omega) for block in self.sweep_blocks)
-        return costs.RESPONSE_SECONDS * flexible * frequencies * float(self.coordinates) ** 3
+    def moved(self) -> int:
+        """How many motions all flexible designs have together."""
+        return self.coordinates * sum(one.flexible for one in self.study.designs.values())
 
     @cached_property
     def modes(self) -> Task:
@@ -469,7 +475,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
         modes, folder = self._modes and self._modes.model_copy(update={"order": 1}), f"{self.root}/hydro/mesh/{ID}"
         spec = DisplaySpec(modes=modes, **self._sections("device", "water", "reference_shape"))
         shapes = [f"{folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
-        return Task.of("display", spec, folder, makes=shapes, files={"manifest": f"{folder}/manifest.json"})
+        seconds, manifest = costs.motions_seconds("display", len(self.mode_labels)), f"{folder}/manifest.json"
+        return Task.of("display", spec, folder, makes=shapes, files={"manifest": manifest}, seconds=seconds)
 
     def block_path(self, spec: BlockSpec) -> str:
         """Coefficients of a block of frequencies."""
@@ -531,7 +538,11 @@ class StudyPlan(HydroPlan, ResultsPlan):
         )
         blocks = f"{self.root}/hydro/blocks"
         needs = [f"{blocks}/{name}.nc" for name in self.bem_blocks]
-        return Task.of("database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs)
+        once, each = costs.DATABASE_SECONDS
+        return Task.of(
+            "database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs,
+            seconds=once + each * self.coordinates**2,
+        )  # fmt: skip
 
     def _water(self) -> Iterator[Task]:
         """Yield shell modes and viewable meshes; coefficients of the water, their cross-check and the database."""

@@ -261,6 +261,7 @@ class CampaignPlan(Graph):
             if base.pto.several and base.pto.control.force_rms < math.inf:
                 seconds += costs.MATRICES_WITHIN_SECONDS
             each += seconds * (costs.WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
+            each *= base.hydro.omega_max / costs.CAUSAL_BAND if base.buoy else 1.0
         matrices = costs.matrices_of_year(base.pto, len(base.designs)) if "each" in self.loaded.tuning else 0.0
         return costs.MEMBER_SECONDS + each * len(base.designs) + matrices
 
@@ -272,18 +273,21 @@ class CampaignPlan(Graph):
         each = costs.MEMBER_SECONDS + (self.member_seconds - costs.MEMBER_SECONDS) * self._part_of_bins
         rests = len({one.spec.sweep for one in resting})
         of_rests = costs.REST_SECONDS * rests + costs.SAME_REST_SECONDS * (len(resting) - rests)
-        return each * len(some) + of_rests + water
+        as_built = [buoy for one in some if (buoy := one.study.buoy) and not buoy.at_equilibrium]
+        left_out = sum(map(costs.left_out_seconds, {buoy.device: buoy for buoy in as_built}.values()))
+        water += sum(costs.finer_water_seconds(buoy) for buoy in shapes.values() if not buoy.at_equilibrium)
+        return each * len(some) + of_rests + left_out + water
 
     @cached_property
     def _part_of_bins(self) -> float:
-        """How long control of a year takes over that of one with `BINS` bins: known of few cells of a scatter table."""
+        """How long control of a year takes over that of one with `BINS` bins: known of the cells of a scatter table."""
         if self.loaded.constrained or not isinstance(self.loaded.campaign.climate, Scatter):
             return 1.0
         try:
             cells = len(read_scatter(self.loaded.climate_path).hours)
         except ConfigError:  # of a file that is gone, or other than it was: said where it is read for its seas
             return 1.0
-        return costs.ONCE + (1 - costs.ONCE) * min(1.0, cells / costs.BINS)
+        return costs.ONCE + (1 - costs.ONCE) * cells / costs.BINS
 
     def _megabytes(self, points: int) -> int:
         """Memory that the results of some points take, beside that of a process [MB]."""
@@ -683,7 +687,7 @@ def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
     return [
         f"doubt        modes: {modes.basis}, degree {modes.degree}, but modes.tolerance {modes.tolerance:g} needs "
         f"the full basis to about degree {needed(plan)}: what is left out is measured in the run and widens the "
-        "intervals"
+        f"intervals, and beyond {500 * modes.tolerance:g} % of a power its answer is not valid"
     ]
 
 

@@ -101,7 +101,12 @@ def cost_lines(plan: Plan) -> list[str]:
         from vsb.engine.hydro.panels.bem import is_table_kept
         from vsb.stages.body_preview import solving_seconds
 
-        known = {one.database.out: solving_seconds(one) for one in some}
+        apart = [task for task in plan.tasks if task.stage == "frequencies"]
+        if apart:  # of one body: their database takes what is told
+            share = solving_seconds(some[0]) / sum(task.seconds for task in apart)
+            known = {task.out: share * task.seconds for task in apart}
+        else:
+            known = {one.database.out: solving_seconds(one) for one in some}
         if is_table_kept():
             known |= {one.green.out: GREEN_KEPT_SECONDS for one in some}
     return [cost_line(plan, known)]

@@ -107,7 +107,8 @@ def _latching_lines(study: Study) -> list[str]:
     """How long the search for latching times would take."""
     if not study.pto.has_latching_time:
         return []
-    seconds = len(study.designs) * sum(latching_seconds(study, wave) for wave in study.waves)
+    designs = [one.flexible for one in study.designs.values()]
+    seconds = sum(latching_seconds(study, wave, flexible=one) for wave in study.waves for one in designs)
     return [
         f"latching     times of {study.pto.law} are found in each run: about {seconds:.0f} s on one core, up to "
         f"{FROM_REST * seconds:.0f} s where motions from rest absorb less than the trials predict"
