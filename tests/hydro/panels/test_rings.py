@@ -109,6 +109,21 @@ def test_table_of_the_green_function_is_computed_once_for_all_folders_of_a_machi
     assert [file.name for file in (tmp_path / "results" / "green").glob("*.npz")] == [table.name]
 
 
+@pytest.mark.parametrize("writable", [True, False])
+def test_table_of_the_cross_check_is_computed_once_on_a_machine(tmp_path, monkeypatch, writable):
+    """Or each time where none can be kept; the one kept gives the same influences."""
+    monkeypatch.setenv("CAPYTAINE_CACHE_DIR", str(tmp_path / "kept"))
+    if not writable:
+        (bem._kept_tables() / "quick").write_text("a file, no folder", encoding="utf-8")
+    computed = []
+    compute = bem.cpt.Delhommeau._create_tabulation
+    monkeypatch.setattr(bem.cpt.Delhommeau, "_create_tabulation", lambda *a: (computed.append(1), compute(*a))[1])
+    first, second = (bem.quick_green_function.__wrapped__() for _ in range(2))
+    assert len(computed) == 2 - writable
+    np.testing.assert_array_equal(first.tabulated_integrals, second.tabulated_integrals)
+    assert not bem.is_table_kept()  # of panels
+
+
 def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisphere):
     ka = [k for k in hemisphere["Ka"] if k <= 6]
     result = unit_problem(green, 40).solve([float(np.sqrt(k)) for k in ka])

@@ -117,7 +117,8 @@ _BACK = -np.arange(float(KEPT))
 _CORRECTOR = lagrange(np.append(1.0, _BACK[:PAST]))
 _AHEAD = _values(_BACK[:PAST], np.ones(1))[0]
 _AHEAD_BY_ALL = _values(_BACK, np.ones(1))[0]
-_HALVED = _values(_BACK, _BACK / 2)
+_HALVED = np.hstack([_values(_BACK, _BACK / 2), np.zeros((KEPT, HISTORY - KEPT))])
+_DOUBLED = np.eye(HISTORY)[::2].copy()
 _REVERSED = _values(-_BACK, _BACK)
 _AT_PROBE = _values(np.append(1.0, _BACK[:PAST]), np.array([PROBE]))[0]
 _SHIFT = np.ascontiguousarray(comb(np.arange(KEPT), np.arange(KEPT)[:, None]))  # of a polynomial by one
@@ -147,10 +148,30 @@ def _add(out: FloatArray, matrix: FloatArray, vector: FloatArray) -> None:
 
 
 @njit(cache=True)
+def _size(vector: FloatArray) -> float:
+    """Euclidean norm."""
+    square = 0.0
+    for i in range(len(vector)):
+        square += vector[i] * vector[i]
+    return float(np.sqrt(square))
+
+
+@njit(cache=True)
 def _mixed(weights: FloatArray, rows: FloatArray) -> FloatArray:
     """Return weights @ rows."""
     out = np.zeros(rows.shape[1])
-    _add(out, rows[: len(weights)], weights)
+    for i in range(len(weights)):
+        for j in range(len(out)):
+            out[j] += weights[i] * rows[i, j]
+    return out
+
+
+@njit(cache=True)
+def _beyond(value: FloatArray, weights: FloatArray, rows: FloatArray) -> FloatArray:
+    """Return value - weights @ rows."""
+    out = _mixed(weights, rows)
+    for j in range(len(out)):
+        out[j] = value[j] - out[j]
     return out
 
 
@@ -169,7 +190,7 @@ def _norm_of(matrix: FloatArray, vector: FloatArray) -> float:
     """Norm of vector @ matrix."""
     out = np.zeros(matrix.shape[1])
     _add(out, matrix, vector)
-    return float(np.sqrt(np.sum(out * out)))
+    return _size(out)
 
 
 @njit(cache=True, inline="always")
@@ -178,29 +199,33 @@ def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, pa
 
     The past of the start need not have happened: it continues backwards what the first steps find.
     """
-    free = past.shape[1]
-    nodes = np.empty((KEPT, free))
-    remainder(r, t, z[:free].copy(), nodes[0])
+    nodes = np.empty((KEPT, past.shape[1]))
+    remainder(r, t, z, nodes[0])
     for i in range(len(past)):
         assign(past[i], nodes[0])
-    enough = 0.1 * limit + 1e-11 * np.sqrt(np.sum(nodes[0] ** 2)) * step.spacing  # what continuing makes of round-off
+    enough = 0.1 * limit + 1e-11 * _size(nodes[0]) * step.spacing  # what continuing makes of round-off
+    own = past.copy()
     for turn in range(STARTS):
-        state, own = z.copy(), past[:KEPT].copy()
+        state = z
+        for i in range(KEPT):
+            assign(own[i], past[i])
         for i in range(1, KEPT):
             state = _predicted(step, state, own)
-            remainder(r, t + i * step.spacing, state[:free].copy(), nodes[i])
-            _add(state, step.corrected, nodes[i] - _mixed(_AHEAD, own))
+            remainder(r, t + i * step.spacing, state, nodes[i])
+            _add(state, step.corrected, _beyond(nodes[i], _AHEAD, own))
             _put_first(own, nodes[i])
         change = np.zeros(len(z))
         for i in range(KEPT):
             older = _mixed(_REVERSED[i], nodes)
+            for j in range(len(older)):
+                past[i, j] = older[j] - past[i, j]
             if i < PAST:
-                _add(change, step.forced[i], older - past[i])
+                _add(change, step.forced[i], past[i])
             assign(past[i], older)
-        size = np.sqrt(np.sum(change * change))
+        size = _size(change)
         if size < enough:
-            remainder(r, t + KEPT * step.spacing, _predicted(step, state, own)[:free].copy(), nodes[0])
-            fits = _norm_of(step.missed, nodes[0] - _mixed(_AHEAD_BY_ALL, own)) < 0.1 * limit
+            remainder(r, t + KEPT * step.spacing, _predicted(step, state, own), nodes[0])
+            fits = _norm_of(step.missed, _beyond(nodes[0], _AHEAD_BY_ALL, own)) < 0.1 * limit
             return 2 + (turn + 1) * PAST if fits else -1
         if not size < 1e300:
             break
@@ -220,8 +245,7 @@ def _unseen(
     _add(position, step.probe_free, z)
     for i in range(KEPT):
         _add(position, step.probe_forced[i], nodes[i])
-    stray = position - _mixed(_AT_PROBE, places)
-    felt = np.zeros(len(stray))
+    stray, felt = _beyond(position, _AT_PROBE, places), np.zeros(len(position))
     for i in range(len(felt)):
         for j in range(len(stray)):
             felt[i] += r.tangent[i, j] * stray[j]
@@ -229,7 +253,7 @@ def _unseen(
         return 0.0, 0
     between = np.empty(len(position))
     remainder(r, t + PROBE * step.spacing, position, between)
-    return _norm_of(step.corrected, between - _mixed(_AT_PROBE, nodes)), 1
+    return _norm_of(step.corrected, _beyond(between, _AT_PROBE, nodes)), 1
 
 
 @njit(cache=True)
@@ -237,9 +261,9 @@ def _record(
     step: Step, z: FloatArray, nodes: FloatArray, first: int, count: int, out: FloatArray, pushes: FloatArray
 ) -> None:
     """Fill states and n at recorded instants inside a step, from the polynomial through new and past values."""
-    course = np.empty((KEPT, nodes.shape[1]))
+    course = np.zeros((KEPT, nodes.shape[1]))
     for i in range(KEPT):
-        assign(course[i], _mixed(step.coefficients[i], nodes))
+        _add(course[i], nodes, step.coefficients[i])
     state = z
     for k in range(first, min(first + count, len(out))):
         _add(out[k], step.record_free, state)
@@ -253,11 +277,11 @@ def _record(
 
 
 @njit(cache=True)
-def _resized(past: FloatArray, change: int) -> None:
-    """Past values at twice or half the distance."""
+def _resized(past: FloatArray, weights: FloatArray) -> None:
+    """Past values at another distance: `_DOUBLED`, or `_HALVED`."""
     old = past.copy()
     for i in range(KEPT):
-        assign(past[i], old[2 * i] if change > 0 else _mixed(_HALVED[i], old))
+        assign(past[i], _mixed(weights[i], old))
 
 
 @njit(cache=True)
@@ -293,15 +317,14 @@ def march(
                 return -1
             counters[KNOWN], counters[EVALUATIONS] = KEPT, counters[EVALUATIONS] + made
             for i in range(len(places)):
-                assign(places[i], z[:free])
+                assign(places[i], z)
         end = _predicted(step, z, past)
-        remainder(r, t + step.spacing, end[:free].copy(), new)
+        remainder(r, t + step.spacing, end, new)
         counters[STEPS], counters[EVALUATIONS] = counters[STEPS] + 1, counters[EVALUATIONS] + 1
-        surprise = new - _mixed(_AHEAD, past)
-        _add(end, step.corrected, surprise)
-        error = _norm_of(step.missed, new - _mixed(_AHEAD_BY_ALL, past))
+        _add(end, step.corrected, _beyond(new, _AHEAD, past))
+        error = _norm_of(step.missed, _beyond(new, _AHEAD_BY_ALL, past))
         assign(nodes[0], new)
-        assign(seen[0], end[:free])
+        assign(seen[0], end)
         for i in range(PAST):
             assign(nodes[i + 1], past[i])
             assign(seen[i + 1], places[i])
@@ -312,8 +335,8 @@ def march(
         if not error < allowed:
             # interpolated values that fail once more are given up: the step starts anew
             counters[KNOWN] = KEPT if counters[KNOWN] > KEPT else 0
-            _resized(past, -1)
-            _resized(places, -1)
+            _resized(past, _HALVED)
+            _resized(places, _HALVED)
             levels[PEAK], counters[TROUBLED] = 0.0, HISTORY
             return -1
         first = counters[TICK] // per_record + 1
@@ -325,15 +348,15 @@ def march(
             assign(pushes[counters[TICK] // per_record], new)
         assign(z, end)
         _put_first(past, new)
-        _put_first(places, end[:free])
+        _put_first(places, end)
         counters[KNOWN] = min(counters[KNOWN] + 1, HISTORY)
-        levels[LARGEST] = max(levels[LARGEST], float(np.sqrt(np.sum(end * end))))
+        levels[LARGEST] = max(levels[LARGEST], _size(end))
         levels[ASIDE] = min(levels[ASIDE] + limit - error, SAFE * tolerance * levels[LARGEST])
         levels[PEAK] = max(0.95 * levels[PEAK], error / limit)
         aligned = counters[TICK] % min(2 * span, per_record) == 0
         if levels[PEAK] < 1 / GROWTH and aligned and level < LONGEST and counters[KNOWN] == HISTORY:
-            _resized(past, 1)
-            _resized(places, 1)
+            _resized(past, _DOUBLED)
+            _resized(places, _DOUBLED)
             counters[KNOWN], levels[PEAK] = KEPT, 0.0
             return 1
     return 0
@@ -409,7 +432,7 @@ class ExponentialIntegrator:
         assert water is not None
         waves = water.waves_during(self.begin, end) or r.waves
         r = r._replace(waves=waves, diffraction=self.system.waves_sampler.during(self.begin, end))
-        remainder(r, 0.0, first[:free].copy(), run.pushes[0])
+        remainder(r, 0.0, first, run.pushes[0])
         level, change, horizon = -1, 1, min(duration, self.system.horizon)
         while change:
             if level < SHORTEST:

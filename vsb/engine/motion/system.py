@@ -94,29 +94,30 @@ class Remainder(NamedTuple):
 
 @njit(cache=True)
 def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
-    """Fill n at time t since the begin and scaled modal positions p."""
-    q = r.rest.copy()
+    """Fill n at time t since the begin and scaled modal positions, the first numbers of a state p."""
+    q, free = r.rest.copy(), len(out)
     static, uniform = np.empty(len(q)), np.empty(len(q))
     for i in range(len(q)):
-        for j in range(len(p)):
+        for j in range(free):
             q[i] += r.position[i, j] * p[j]
     if len(r.waves.omega):
         wave_force(r.shape, q, r.waves, r.begin + t, static)
-        static *= r.specific_weight
+        for i in range(len(q)):
+            static[i] *= r.specific_weight
     else:
         wet_force(r.shape, q, static, uniform)
         pressure = r.amplitude * np.cos(r.omega * (r.begin + t))
         for i in range(len(q)):
             static[i] = r.specific_weight * static[i] + pressure * uniform[i]
-    for i in range(len(out)):
+    for i in range(free):
         out[i] = r.constant[i]
-        for j in range(len(p)):
+        for j in range(free):
             out[i] += r.tangent[i, j] * p[j]
         for j in range(len(q)):
             out[i] += r.project[i, j] * static[j]
     if len(r.diffraction.omega):
         diffracted = signals_at(r.diffraction, r.begin + t)
-        for i in range(len(out)):
+        for i in range(free):
             out[i] += diffracted[i]
 
 

@@ -32,7 +32,7 @@ at the surface by exp(k (rho - D)), about exp(k x^2/(2 D)). Coefficients of many
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 from typing import NamedTuple
@@ -230,27 +230,37 @@ def add_force(shape: Shape, table: FloatArray, pressure: FloatArray, meridian: F
 
 
 @njit(cache=True)
+def points(shape: Shape, low: float, high: float, order: int) -> tuple[FloatArray, FloatArray]:
+    """Return -2 pi times the weights of the points of an interval of c, and Chebyshev polynomials there."""
+    i, half, middle = rule(shape, low, high), 0.5 * (high - low), 0.5 * (high + low)
+    flux, c = np.empty(shape.counts[i]), np.empty(shape.counts[i])
+    for j in range(len(c)):
+        flux[j], c[j] = -2 * np.pi * half * shape.weights[i, j], middle + half * shape.nodes[i, j]
+    return flux, chebyshev_table(c, order)
+
+
+@njit(cache=True)
 def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArray) -> float:
     """Fill the generalized forces on the wet shell of the pressure -rho g z, per rho g, and of a uniform one, per Pa.
 
     Of q (dof,) [m] they have shape (dof,) [m^3] and [m^2]. Returns int z dV over the displaced water [m^4]: static is
     its gradient, -rho g times it the potential energy.
     """
-    static[:], uniform[:], moment = 0.0, 0.0, 0.0
-    series = meridian_series(shape, q)
+    for j in range(len(q)):
+        static[j], uniform[j] = 0.0, 0.0
+    moment, series = 0.0, meridian_series(shape, q)
     edges = wet_intervals(shape, series)
     for k in range(0, len(edges), 2):
-        half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
-        i = rule(shape, edges[k], edges[k + 1])
-        n = shape.counts[i]
-        c, weight = middle + half * shape.nodes[i, :n], shape.weights[i, :n]
-        table = chebyshev_table(c, series.shape[1])
+        flux, table = points(shape, edges[k], edges[k + 1], series.shape[1])
         meridian = values(series, table)
         x, z, slope = meridian[0], meridian[1], meridian[2]
-        flux = -2 * np.pi * half * weight * x
-        moment -= 0.5 * np.sum(flux * (1 - c * c) * x * z * slope)
+        for i in range(len(flux)):
+            flux[i] *= x[i]
+            moment -= 0.5 * flux[i] * (1 - table[1, i] ** 2) * x[i] * z[i] * slope[i]
         add_force(shape, table, flux, meridian, uniform)
-        add_force(shape, table, -flux * z, meridian, static)
+        for i in range(len(flux)):
+            flux[i] *= -z[i]
+        add_force(shape, table, flux, meridian, static)
     return moment
 
 
@@ -269,6 +279,9 @@ class WetShell:
 
     basis: ModeBasis
     centre_height: float  # of the undisplaced shell above still water [m]
+    _last: list[tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )  # the motion last asked for, and its forces: energies and forces are both of the same motion
 
     @cached_property
     def shape(self) -> Shape:
@@ -291,7 +304,10 @@ class WetShell:
 
         Static and uniform have shape (time, dof) [m^3], [m^2], the moment (time,) [m^4].
         """
-        return _along(self.shape, np.ascontiguousarray(q, dtype=float))
+        q = np.array(q, dtype=float, order="C")  # read-only arrays would compile the loop once more
+        if not (self._last and np.array_equal(self._last[0][0], q)):
+            self._last[:] = [(q, _along(self.shape, q))]
+        return self._last[0][1]
 
 
 def _series(rest: ClosedMeridian) -> tuple[Sequence[float], Sequence[float]]:
@@ -432,7 +448,8 @@ def moment(waves: Incident, time: float, height: float) -> Moment:
     elevation, pressure = found[: len(found) - count], found[len(found) - count :]
     lowered = min(height + waves.depth, 0.0)
     if lowered < 0:
-        pressure[:] = 0.0
+        for i in range(count):
+            pressure[i] = 0.0
         for j in range(len(waves.omega)):
             k, bottom, angle = waves.wavenumber[j], waves.bottom[j], waves.omega[j] * time
             head = waves.amplitude[j].real * np.cos(angle) + waves.amplitude[j].imag * np.sin(angle)
@@ -482,7 +499,9 @@ def _edges(shape: Shape, series: FloatArray, waves: Incident, now: Moment) -> Fl
     edges = np.empty(len(still) + count + 1)
     assign(edges[: len(still)], still)
     edges[len(still)], edges[len(still) + 1] = -1.0, 1.0
-    found, highest = len(still) + 2, np.sum(np.abs(now.elevation))
+    found, highest = len(still) + 2, 0.0
+    for i in range(len(now.elevation)):
+        highest += abs(now.elevation[i])
     f_low, low = 0.0, -1.0
     for i in range(count):
         f, c = at[1, i], grid[i]
@@ -535,26 +554,22 @@ def wave_force(shape: Shape, q: FloatArray, waves: Incident, time: float, out: F
     """
     series = meridian_series(shape, q)
     now = moment(waves, time, series[1, 0])
-    out[:] = 0.0
+    for j in range(len(out)):
+        out[j] = 0.0
     edges = _edges(shape, series, waves, now)
     for k in range(len(edges) - 1):
         half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
         if half < 1e-14 or _submergence(series, waves, now, middle) > 0:
             continue
-        i = rule(shape, edges[k], edges[k + 1])
-        n = shape.counts[i]
-        c, weight = middle + half * shape.nodes[i, :n], shape.weights[i, :n]
-        table = chebyshev_table(c, series.shape[1])
-        meridian = values(series, table)
+        flux, table = points(shape, edges[k], edges[k + 1], series.shape[1])
+        meridian, x2, below = values(series, table), np.empty(len(flux)), value(series[1], middle) < 0
         x, z = meridian[0], meridian[1]
-        x2 = (1 - c * c) * x * x
-        if value(series[1], middle) < 0:
-            pressure = dynamic_head(waves, now, x2, z) - z
-        else:
-            pressure = -z
-            for i in range(len(z)):
-                pressure[i] += elevation_at(waves, now, x2[i])
-        add_force(shape, table, -2 * np.pi * half * weight * x * pressure, meridian, out)
+        for i in range(len(flux)):
+            x2[i] = (1 - table[1, i] ** 2) * x[i] * x[i]
+        head = dynamic_head(waves, now, x2, z) if below else np.empty(len(flux))
+        for i in range(len(flux)):
+            flux[i] *= x[i] * ((head[i] if below else elevation_at(waves, now, x2[i])) - z[i])
+        add_force(shape, table, flux, meridian, out)
 
 
 @njit(cache=True)

@@ -11,6 +11,7 @@ this is round-off. The samples are sums by fast Fourier transforms (`superposed`
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -55,9 +56,15 @@ def signals(omega: FloatArray, phasors: ComplexArray) -> Signals:
     return Signals(np.asarray(omega, dtype=float), rows, 0.0, 1.0, np.zeros((0, rows.shape[1])))
 
 
+@cache
+def _quadrature() -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of Gauss and Legendre."""
+    return np.polynomial.legendre.leggauss(QUADRATURE)
+
+
 def kernel_transform(xi: FloatArray) -> FloatArray:
     """Return F of the kernel, shape of xi."""
-    node, weight = np.polynomial.legendre.leggauss(QUADRATURE)
+    node, weight = _quadrature()
     kernel = np.exp(BETA * (np.sqrt(1 - node**2) - 1))
     return np.asarray(WIDTH / 2 * np.cos(np.multiply.outer(xi, WIDTH / 2 * node)) @ (weight * kernel))
 

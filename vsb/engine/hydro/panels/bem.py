@@ -11,7 +11,7 @@ import tempfile
 import zipfile
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -71,15 +71,8 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
     if not place.is_dir():
         place.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as name:
-            partial, tables = Path(name), _kept_tables()
-            _copied(tables.glob("tabulation_*.npz"), partial)
-            try:
-                green_function(partial)
-            except DatabaseError:  # one kept there is damaged
-                for file in partial.iterdir():
-                    file.unlink()
-                green_function(partial)
-            _copied(partial.glob("*.npz"), tables)
+            partial = Path(name)
+            _by_kept_tables(green_function, partial, _kept_tables())
             partial.chmod(0o755)
             try:
                 partial.replace(place)
@@ -102,10 +95,23 @@ def _kept_tables() -> Path:
         return Path(tempfile.gettempdir(), f"capytaine-{os.getuid()}", cpt.__version__)
 
 
+def _by_kept_tables(make: Callable[[Path], cpt.Delhommeau], folder: Path, tables: Path) -> cpt.Delhommeau:
+    """Return what `make` makes of a folder with a copy of the tables this machine keeps, and keep what it computed."""
+    _copied(tables.glob("tabulation_*.npz"), folder)
+    try:
+        green = make(folder)
+    except (DatabaseError, zipfile.BadZipFile, zlib.error):  # one kept there is damaged
+        for file in folder.iterdir():
+            file.unlink()
+        green = make(folder)
+    _copied(folder.glob("*.npz"), tables)
+    return green
+
+
 def _copied(files: Iterable[Path], folder: Path) -> None:
     """Copy files into a folder, each whole or not at all, as far as it can be written; those there stay."""
     for file in files:
-        with suppress(OSError):
+        with suppress(OSError, DatabaseError):
             if not (folder / file.name).exists():
                 with atomic_write(folder / file.name) as temporary:
                     shutil.copyfile(file, temporary)
@@ -113,17 +119,22 @@ def _copied(files: Iterable[Path], folder: Path) -> None:
 
 @cache
 def quick_green_function() -> cpt.Delhommeau:
-    """Return capytaine's Green function with a table of a quarter of the points, computed in 2 s and not stored.
+    """Return capytaine's Green function with a table of a quarter of the points, computed in 2 s once per machine.
 
     Coefficients of the cross-check's meshes then change by 2e-4 of their largest entry, a tenth of the panels' error.
     """
-    return cpt.Delhommeau(
-        tabulation_nr=338,
-        tabulation_nz=186,
-        tabulation_nb_integration_points=251,
-        tabulation_cache_dir=None,
-        finite_depth_prony_decomposition_method="fortran",
-    )
+
+    def of_quarter(folder: Path) -> cpt.Delhommeau:
+        return cpt.Delhommeau(
+            tabulation_nr=338,
+            tabulation_nz=186,
+            tabulation_nb_integration_points=251,
+            tabulation_cache_dir=str(folder),
+            finite_depth_prony_decomposition_method="fortran",
+        )
+
+    with tempfile.TemporaryDirectory(prefix="vsb-") as name:
+        return _by_kept_tables(of_quarter, Path(name), _kept_tables() / "quick")
 
 
 def panel_mesh(vertices: FloatArray, faces: IntArray) -> cpt.Mesh:
