@@ -199,37 +199,41 @@ def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, pa
 
     The past of the start need not have happened: it continues backwards what the first steps find.
     """
-    nodes = np.empty((KEPT, past.shape[1]))
-    remainder(r, t, z, nodes[0])
-    for i in range(len(past)):
-        assign(past[i], nodes[0])
-    enough = 0.1 * limit + 1e-11 * _size(nodes[0]) * step.spacing  # what continuing makes of round-off
-    own = past.copy()
-    for turn in range(STARTS):
-        state = z
-        for i in range(KEPT):
-            assign(own[i], past[i])
-        for i in range(1, KEPT):
-            state = _predicted(step, state, own)
-            remainder(r, t + i * step.spacing, state, nodes[i])
-            _add(state, step.corrected, _beyond(nodes[i], _AHEAD, own))
-            _put_first(own, nodes[i])
-        change = np.zeros(len(z))
-        for i in range(KEPT):
-            older = _mixed(_REVERSED[i], nodes)
-            for j in range(len(older)):
-                past[i, j] = older[j] - past[i, j]
-            if i < PAST:
-                _add(change, step.forced[i], past[i])
-            assign(past[i], older)
-        size = _size(change)
-        if size < enough:
-            remainder(r, t + KEPT * step.spacing, _predicted(step, state, own), nodes[0])
-            fits = _norm_of(step.missed, _beyond(nodes[0], _AHEAD_BY_ALL, own)) < 0.1 * limit
-            return 2 + (turn + 1) * PAST if fits else -1
-        if not size < 1e300:
-            break
-    return -1
+    nodes, here, own = np.empty((KEPT, past.shape[1])), np.empty(past.shape[1]), past.copy()
+    state, enough, i, turn = z, 0.0, 0, 0
+    while True:  # the water's force is called in one place: its code is large
+        remainder(r, t + i * step.spacing, state, here)
+        if i == KEPT:
+            fits = _norm_of(step.missed, _beyond(here, _AHEAD_BY_ALL, own)) < 0.1 * limit
+            return 2 + turn * PAST if fits else -1
+        assign(nodes[i], here)
+        if i == 0:
+            enough = 0.1 * limit + 1e-11 * _size(here) * step.spacing  # what continuing makes of round-off
+            for k in range(len(past)):
+                assign(past[k], here)
+        else:
+            _add(state, step.corrected, _beyond(here, _AHEAD, own))
+            _put_first(own, here)
+        i += 1
+        if i == KEPT:
+            change, turn = np.zeros(len(z)), turn + 1
+            for k in range(KEPT):
+                older = _mixed(_REVERSED[k], nodes)
+                for j in range(len(older)):
+                    past[k, j] = older[j] - past[k, j]
+                if k < PAST:
+                    _add(change, step.forced[k], past[k])
+                assign(past[k], older)
+            size = _size(change)
+            if not size < enough:
+                if turn == STARTS or not size < 1e300:
+                    return -1
+                i = 1
+        if i == 1:
+            state = z
+            for k in range(KEPT):
+                assign(own[k], past[k])
+        state = _predicted(step, state, own)
 
 
 @njit(cache=True, inline="always")
