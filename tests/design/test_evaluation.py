@@ -367,7 +367,7 @@ def test_the_year_of_several_ports_is_that_of_a_campaign(climate, design, change
         assert max(squares @ ports.power(dampers * factor) for factor in (0.99, 1.01)) < power
 
 
-@pytest.mark.parametrize("matrix", ["full", "diagonal"])
+@pytest.mark.parametrize("matrix", [pytest.param("full", marks=pytest.mark.slow), "diagonal"])
 def test_several_ports_share_the_force_they_are_allowed(climate, matrix):
     """The matrix of that force is the engine's; power less its price has the derivatives of differences."""
     ports = {"h": "heave", "r": {"colatitude": 100}}

@@ -91,7 +91,9 @@ def test_derivatives_at_several_ports_are_those_of_differences(climate, design, 
     ("key", "ports", "control"),
     [
         ("device.mass", FORCES, {"noise": 0.1}),
-        ("device.internal_pressure", FORCES | {"s": {"colatitude": 60}}, {"forecast": 2.0}),
+        pytest.param(
+            "device.internal_pressure", FORCES | {"s": {"colatitude": 60}}, {"forecast": 2.0}, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_damper_matrix_that_absorbs_more_has_the_derivatives_of_differences(climate, key, ports, control):

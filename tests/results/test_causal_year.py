@@ -122,7 +122,7 @@ def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(e
 
 def test_schedule_of_ports_does_not_depend_on_what_they_are_turned_by():
     """The forces of a schedule absorb its power, whatever combinations of them are called ports."""
-    ports, seen, squares = coupled()
+    ports, seen, squares = coupled(0.02)
     density = squares[None, 1:-1] / (2 * ports.spacing)
     seas = Climate.of_spectra(seen.omega[1:-1], density, np.ones(1), "one sea")
 
