@@ -42,6 +42,15 @@ def test_what_it_does_not_know_is_named(climate):
         vsb.gradient(study_of(pto={"damping": 0.0}), climate, ["pto.damping"])
 
 
+def test_sentence_of_the_documentation_says_what_its_example_prints():
+    page = " ".join((HOME / "docs" / "gradients.md").read_text(encoding="utf-8").split())
+    slopes, gains = (list(map(float, row.split())) for row in re.findall(r"\[ ?(-?\d+\.[-\d. ]+)\]", page)[:2])
+    minus = "\N{MINUS SIGN}"
+    assert f"1 % more radius gives this buoy {slopes[0]:.1f} % more power" in page
+    assert f"1 % more wall thickness reduces it by {-slopes[1]:.2f} %" in page
+    assert f"{gains[0]:.1f} %, is known to within {gains[1]:.1f} points".replace("-", minus) in page
+
+
 @pytest.mark.slow
 def test_example_of_the_documentation(monkeypatch):
     monkeypatch.chdir(HOME)

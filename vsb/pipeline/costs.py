@@ -57,12 +57,14 @@ PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
 WITNESS_ROW2_SECONDS = 2.6e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 7e-3), "auto": (1.0, 5e-3)}
+RUN_SECONDS = {"linear": (0.1, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 7e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
+SWITCHING_SECONDS = 7e-3
+"""Of each second of a linear run more under a take-off that switches, as Coulomb friction or a limit does."""
 DEGREE, BY_DEGREE, OF_RIGID = 9.0, 1.3, 1.5
 """Of the shell modes with which body-exact runs were timed, the power of it their time grows with, and the degree that
 a rigid buoy counts as: measured from 6 to 20."""
-OF_SHAPE = 6.0
+OF_SHAPE = 3.0
 """How many times as long a body-exact run of another shape than the sphere takes: of capsules."""
 LATCHING_TIME_SECONDS = {"rigid": 2.5, "flexible": 15.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
@@ -197,6 +199,8 @@ def ladder_seconds(study: BaseStudy) -> float:
 def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.hydro.model]
+    if study.pto.nonlinear and study.hydro.model == "linear":
+        each += SWITCHING_SECONDS
     seas = 2.0 if wave.irregular else 1.0  # of many components
     if study.buoy and study.buoy.hydro.model == "body_exact":
         seas *= _of_wall(study.buoy, flexible=flexible)

@@ -290,7 +290,7 @@ def draw(name: str, data: StudyData) -> Figure:
 CAPTIONS = {
     "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band{gain}, {dampings}."
     "{limit}{useful}",
-    "reactance": "The reason: at its port a design is one impedance R + iX. Optimal damping absorbs the share "
+    "reactance": "Why: the take-off sees each design as one impedance R + iX. Optimal damping absorbs the share "
     "2/(1 + √(1 + Q²)), Q = |X|/R, of the most any take-off could{same}.",
     "rao": "Response amplitude operators of the rigid motions and of the take-off's port, {taken}: amplitude per wave "
     "amplitude, and phase lag behind the wave crest at the origin.{long_waves} Motions of less than a thousandth of "

@@ -274,8 +274,8 @@ def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> 
         if best > 0 and matched > 0:
             ratio = matched / best
             verdict: Verdict = "doubt" if ratio > NEXT_TO_NOTHING else "ok"
-            text = f"{reference} could absorb {plain(matched)} W, and absorbs {plain(best)} W at its optimal damper: "
-            text += "above the limit it absorbs too little for a gain to have a meaning"
+            text = f"power {reference} could absorb at most, {plain(matched)} W, over that at its optimal damping, "
+            text += f"{plain(best)} W; above the limit a gain over so small a power has no meaning"
             checks.append(Check("reference_power", ratio, NEXT_TO_NOTHING, "-", verdict, text, wave=sea))
     return checks
 

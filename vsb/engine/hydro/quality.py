@@ -169,8 +169,9 @@ def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> li
     meaning = {
         "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry; "
         f"{solves} solves for {frequencies} frequencies",
-        "interpolation_error": "estimated error of interpolation between them, relative to the band's largest entry",
-        "limit_difference": "added mass extrapolated to frequencies zero and infinity, from that solved there",
+        "interpolation_error": "estimated error of interpolation between frequencies solved, relative to the band's "
+        "largest entry",
+        "limit_difference": "difference of added mass extrapolated to frequencies 0 and ∞ from that solved there",
     }
     limit = dict.fromkeys(meaning, tolerance) | {"limit_difference": LARGEST_LIMIT_DIFFERENCE}
     found = {name: [float(attrs[name]) for attrs in blocks if name in attrs] for name in meaning}
