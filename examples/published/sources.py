@@ -127,6 +127,10 @@ def of_buoy(results: object) -> dict[str, Value]:
     gain = 100 * (shown / shown.sel(design=RIGID) - 1).sel(design=flexible).stack(at=("design", "omega"))
     for name, at in (("most", gain.idxmax("at").item()), ("least", gain.idxmin("at").item())):
         found |= {f"band.{name}": float(gain.sel(at=at)), f"band.{name}.period": 2 * np.pi / float(at[1])}
+    periods = np.arange(2.0, 6.0, 0.01)
+    best_power = response.best_power.interp(omega=2 * np.pi / periods, method="cubic")
+    gained = periods[(best_power.sel(design=FREE) > best_power.sel(design=RIGID)).values]
+    found |= {"band.gain.from": float(gained.min()), "band.gain.to": float(gained.max())}
     for period in (2.5, 2.9, 4.0, 5.0):
         wave = response_at(response, period)
         by_design = gains(wave.best_power)
