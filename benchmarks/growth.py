@@ -10,6 +10,7 @@ difference of the first one's power from that of the smallest size.
 import resource
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import rigid_sphere
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import hydro_files
-from vsb.stages.simulate import run_simulate
+from vsb.stages.stage import run_task
 from vsb.study.study import load
 from vsb.tools.files import write_text
 
@@ -43,8 +44,9 @@ def by_duration() -> Iterator[Row]:
             one = varied(study, "VSWEC0", SEAS[IRREGULAR], {"model": "body_exact", "omega_max": 12.0}, duration)
             one = one.model_copy(update={"simulation": one.simulation.model_copy(update={"tolerance": tolerance})})
             paths, out = hydro_files(one, folder), str(Path(folder, "run.nc"))
-            spec = StudyPlan(one).simulation("VSWEC0", one.waves[0]).spec
-            seconds, _ = timed(lambda: run_simulate(spec, out, paths["database"], paths["radiation"]))
+            task = StudyPlan(one).simulation("VSWEC0", one.waves[0])
+            task = replace(task, files={"out": out, "database": paths["database"], "radiation": paths["radiation"]})
+            seconds, _ = timed(lambda: run_task(task))
             with xr.open_dataset(out) as record:
                 return seconds, float(record.energy.sel(term="pto")[-1])
 

@@ -170,10 +170,10 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
     if case.wet_mode is not None:
         omega = natural_frequency(study, design, paths, case.wet_mode)
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
-    one = StudyPlan(study).simulation(design, study.waves[0]).spec
+    one = StudyPlan(study).simulation(design, study.waves[0]).spec["run"]
     made = design_in_sea(one, paths)
     scene, rows = made.scene, made.held
-    motion, _, method = simulate(system := System.of(scene), made.sea, one.simulation, made.spectrum)
+    motion, _, method = simulate(system := System.of(scene), made.sea, study.simulation, made.spectrum)
     moved = motion.position @ scene.motions.T
     if rows.size:
         note = f"clamps slip {constraint_drift(moved, rows):.1e} m"

@@ -156,7 +156,7 @@ def scene_of(study: Study, folder: str | Path) -> DesignInSea:
     """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
     (design,), (wave,) = study.designs, study.waves
     paths = hydro_files(study, folder)
-    one = StudyPlan(study).simulation(design, wave).spec
+    one = StudyPlan(study).simulation(design, wave).spec["run"]
     return design_in_sea(one, paths)
 
 

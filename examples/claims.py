@@ -251,7 +251,7 @@ def start_of_a_run(folder: Path) -> Claim:
     study = study_of([regular(4.0)], pto={"damping": 8000.0}, simulation={"initial_velocity": 0.0})
     files, time, absorbed = hydro_files(study, folder), np.linspace(0.0, 30.0, 3001), []
     for design in (RIGID, FLEXIBLE):
-        made = linear_design(StudyPlan(study).simulation(design, study.waves[0]).spec, files)
+        made = linear_design(StudyPlan(study).simulation(design, study.waves[0]).spec["run"], files)
         motion = propagate(made.system, time, made.scene.start(0.0, 0.0))
         speed = (motion.velocity @ made.scene.motions.T)[:, 0]
         absorbed.append(8000.0 * np.append(0.0, cumulative_trapezoid(speed**2, time)))
@@ -309,7 +309,7 @@ def matched_losses(study: Study, periods: FloatArray) -> FloatArray:
     """
     raw, water = raw_of(study), study.water
     waves = parse({**raw, "waves": [regular(period, 1.0) for period in periods.tolist()]}).waves
-    buoy = StudyPlan(study).ladder.spec.buoy
+    buoy = StudyPlan(study).ladder.spec["study"]
     assert buoy is not None
     found = ModeConvergence(buoy, [wave.realisation(study.hydro.omega_max, 0.0) for wave in waves])
     at = list(study.designs).index(FLEXIBLE), slice(None), TAKE_OFFS.index("matched")

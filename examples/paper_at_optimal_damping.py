@@ -44,11 +44,11 @@ class Row(NamedTuple):
 
 def power_of(study: Study, design: str) -> Callable[[float], float]:
     """Return the steady mean power of a design as a function of its damper, zero if there is no steady state [W]."""
-    run = StudyPlan(study).simulation(design, study.waves[0]).spec
+    run = StudyPlan(study).simulation(design, study.waves[0]).spec["run"]
 
     def power(damping: float) -> float:
-        pto = run.pto.model_copy(update={"damping": damping})
-        damped = run.with_take_off(pto)
+        pto = run.study.pto.model_copy(update={"damping": damping})
+        damped = run.model_copy(update={"study": run.study.model_copy(update={"pto": pto})})
         try:
             return steady_power(assumed_pressure_design(damped, {}).system, TOLERANCE)
         except (ConvergenceError, StabilityError):

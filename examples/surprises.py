@@ -64,7 +64,7 @@ class Ladder:
     def __init__(self, study: Study, folder: Path) -> None:
         """Compute all levels."""
         self.waves = [wave.label for wave in study.waves]
-        found = study_ladder(StudyPlan(study).ladder.spec, hydro_files(study, folder)["database"])
+        found = study_ladder(StudyPlan(study).ladder.spec["study"], hydro_files(study, folder)["database"])
         self.levels = {(level.design, level.wave, level.rung): level for level in found}
 
     def at(self, design: str, level: str, wave: int = 0) -> ControlLevel:
@@ -223,7 +223,9 @@ def latching(folder: Path) -> Figures:
     figures["optimal damper [N s/m]"], figures["its power [W]"] = heavy, best.power(RIGID, "best_damper")
     for name, damping in (("the optimal damper", heavy), ("a fifth of it", heavy / 5)):
         study = study_of([wave], pto={"damping": damping, "law": "latching"}, designs={RIGID: {"flexible": False}})
-        notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]).spec, hydro_files(study, folder)).notes
+        notes = linear_design(
+            StudyPlan(study).simulation(RIGID, study.waves[0]).spec["run"], hydro_files(study, folder)
+        ).notes
         figures[f"latching with {name} [W]"] = notes["latching_power"]
     figures["matched [W]"] = best.power(RIGID, "matched")
     return figures

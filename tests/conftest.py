@@ -35,9 +35,10 @@ from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.pipeline.graph import StudyPlan
 from vsb.stages.make import make
 from vsb.stages.panels import mean_mesh, solve_block
+from vsb.stages.stage import run_task
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
-from vsb.study.specs import SpectralSpec
+from vsb.study.specs import SpectralBlock
 from vsb.study.study import Study
 
 settings.register_profile("vsb", deadline=None)  # a machine may be busy
@@ -67,7 +68,12 @@ def varied(study: Study, **changes) -> Study:
 
 def only_run(study: Study):
     """What is simulated of the only design of a study in its first sea."""
-    return StudyPlan(study).simulation(*study.designs, study.waves[0]).spec
+    return StudyPlan(study).simulation(*study.designs, study.waves[0]).spec["run"]
+
+
+def run_at(task, **files):
+    """Run the stage of a task on other files."""
+    run_task(replace(task, files={**task.files, **files}))
 
 
 def springs(plant):
@@ -233,7 +239,7 @@ def small(finished, monkeypatch) -> StudyPlan:
 
 def solved_block(spec, green_folder):
     """One BEM job, by the solver its spec names."""
-    if isinstance(spec, SpectralSpec):
+    if isinstance(spec, SpectralBlock):
         return spectralsolver.converged(spectral_problem(spec), list(spec.omega), spec.tolerance)
     return solve_block(spec, mean_mesh(spec.mesh), mean_mesh(spec.mesh, coarser=2), green_folder)
 
@@ -244,7 +250,7 @@ def solved(request):
     cache: dict[str, object] = {}
 
     def folder(block):
-        return None if isinstance(block, SpectralSpec) else request.getfixturevalue("green_folder")
+        return None if isinstance(block, SpectralBlock) else request.getfixturevalue("green_folder")
 
     def solve(study: Study):
         blocks = StudyPlan(study).sweep_blocks

@@ -149,7 +149,10 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
         ("", "standard input:1: no JSON from its end on; needs the tasks"),
         ("[1]", "standard input: received [1], needs the tasks"),
         ('[{"stage": "lunch", "spec": {}, "files": {}, "makes": []}]', "standard input: stage: received lunch, needs "),
-        ('[{"stage": "modes", "spec": {}, "files": {}, "makes": ["out.nc"]}]', "standard input: device: "),
+        (
+            '[{"stage": "modes", "spec": {}, "files": {}, "makes": ["out.nc"]}]',
+            "standard input: modes: missing a required argument",
+        ),
     ],
 )
 def test_wrong_tasks_of_a_rule(workplace, capsys, monkeypatch, text, message):

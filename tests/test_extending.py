@@ -1,6 +1,5 @@
 """The recipes of `docs/extending.md`, executed."""
 
-import json
 import re
 import sys
 import textwrap
@@ -36,13 +35,12 @@ from vsb.engine.waves import kinds as waves
 from vsb.errors import ConfigError
 from vsb.keys import meanings as keys
 from vsb.keys.meanings import UNITS
-from vsb.keys.quantities import canonical, content_id
 from vsb.models.rest import study_basis
 from vsb.models.take_off import FORCES, with_take_off
 from vsb.pipeline.graph import STAGES, Stage, Task
 from vsb.report.answer import damping_in_words
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
-from vsb.stages.stage import run_task, specification
+from vsb.stages.stage import Stamp, run_task
 from vsb.study import specs
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
@@ -207,19 +205,18 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     monkeypatch.setitem(specs.PHYSICS, "draft", 1)
     made = recipe(
         "A stage of the workflow",
-        FloatingSpec=specs.FloatingSpec,
+        Stamp=Stamp,
+        BuoyPart=specs.BuoyPart,
         write_text=write_text,
         record=record,
-        content_id=content_id,
     )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
     monkeypatch.setitem(STAGES, "draft", Stage("modes", "draft", "how deep a buoy lies"))
-    spec = made["DraftSpec"](device=seed.device, water=seed.water)
     out, manifest = str(tmp_path / "draft.txt"), str(tmp_path / "manifest.json")
-    run_task(Task("draft", spec, {"out": out, "manifest": manifest}, (out,)))
+    task = Task.of("draft", {"study": seed.only("device", "water")}, out, files={"manifest": manifest})
+    run_task(task)
     assert float((tmp_path / "draft.txt").read_text().split()[0]) == pytest.approx(seed.draft, rel=1e-5)
-    assert faults({out: content_id(spec)}, read_manifest(manifest)) == []
-    assert not hasattr(spec, "waves")
+    assert faults({out: task.id}, read_manifest(manifest)) == []
     monkeypatch.setitem(specs.PHYSICS, "draft", 2)
     with pytest.raises(ConfigError, match="physics 1: needs 2, of this version"):
-        specification(made["run_draft"], json.loads(canonical(spec)))
+        run_task(task)

@@ -41,8 +41,8 @@ from vsb.study import study as config
 
 def built(plan, design, **changes):
     study = varied(plan.study, **changes)
-    one = StudyPlan(study).simulation(design, study.waves[0]).spec
-    return SCENES[one.hydro.model](one, dict(plan.hydro_files))
+    one = StudyPlan(study).simulation(design, study.waves[0]).spec["run"]
+    return SCENES[study.hydro.model](one, dict(plan.hydro_files))
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])

@@ -216,7 +216,7 @@ def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     study = study_with(study="port", pto={"port": port, "damping": 6000.0}, mooring=mooring,
                        designs=RAW["designs"], simulation={"duration": 120.0, "window": [90.0, 120.0]})  # fmt: skip
     plan = made(study, folder)
-    at = linear_design(plan.simulation("VSWEC", study.waves[0]).spec, plan.hydro_files)
+    at = linear_design(plan.simulation("VSWEC", study.waves[0]).spec["run"], plan.hydro_files)
     motion, _, method = simulate(at.system, at.sea, study.simulation, at.spectrum)
     assert method == "exact propagation"
     energy = energies(at.system, motion)
@@ -322,12 +322,12 @@ def test_quadratic_drag_agrees_with_its_equivalent_dampers(folder):
     """Harmonic balance against equivalent linearisation; the energy balance of the run closes."""
     study = dragged()
     plan = made(study, folder)
-    at = linear_design(plan.simulation("VSWEC", study.waves[0]).spec, plan.hydro_files)
+    at = linear_design(plan.simulation("VSWEC", study.waves[0]).spec["run"], plan.hydro_files)
     found = harmonic_balance(at.system)
     assert at.notes[LINEARISED] == pytest.approx(found.power.pto, rel=5e-3)
     assert len(at.notes["drag_damping"]) == 3
     without = made(dragged(drag=None), folder)
-    free = linear_design(without.simulation("VSWEC", study.waves[0]).spec, plan.hydro_files)
+    free = linear_design(without.simulation("VSWEC", study.waves[0]).spec["run"], plan.hydro_files)
     assert harmonic_balance(free.system).power.pto > 1.02 * found.power.pto
     motion, _, method = simulate(at.system, at.sea, study.simulation, at.spectrum)
     assert method.startswith("exponential collocation")
@@ -341,7 +341,9 @@ def test_drag_rotates_with_the_waves(folder):
         **FREE, drag=DRAG | ASIDE, pto={"port": "heave", "damping": 9000.0}, waves=[SWELL | {"direction": 90.0}]
     )
     plan = made(along, folder)
-    runs = [StudyPlan(study, root=str(folder)).simulation("FSB", study.waves[0]).spec for study in (along, across)]
+    runs = [
+        StudyPlan(study, root=str(folder)).simulation("FSB", study.waves[0]).spec["run"] for study in (along, across)
+    ]
     x, y = (linear_design(run, plan.hydro_files) for run in runs)
     surge, sway, heave, roll, pitch, yaw = x.notes["drag_damping"]
     assert sway == roll == yaw == 0.0

@@ -144,14 +144,14 @@ def general_database(finished, tmp_path):
     from conftest import SMALL_PLAN
 
     from vsb.engine.hydro.formats.exchange import read_source
-    from vsb.keys.quantities import content_id
     from vsb.pipeline.graph import plan_for
     from vsb.stages.coefficients import store
 
     own = study("heave")
-    spec = plan_for(own).database.spec
-    path = tmp_path / "db" / f"{content_id(spec)}.nc"
-    store(spec, read_source("database", str(finished / SMALL_PLAN.database.out), own.water), str(path))
+    task = plan_for(own).database
+    path = tmp_path / "db" / f"{task.id}.nc"
+    found = read_source("database", str(finished / SMALL_PLAN.database.out), own.water)
+    store(task.spec["source"], found, str(path), {"spec_id": task.id})
     return str(path)
 
 

@@ -219,7 +219,7 @@ AT_60 = {"port": {"colatitude": 60.0}, "damping": None, "tuning": "each"}
 def searched(study):
     """Powers of a study by degree."""
     return ModeConvergence(
-        with_degree(StudyPlan(study)).ladder.spec.buoy, [wave.realisation(12.0, 0.0) for wave in study.waves]
+        with_degree(StudyPlan(study)).ladder.spec["study"], [wave.realisation(12.0, 0.0) for wave in study.waves]
     )
 
 
@@ -254,7 +254,7 @@ def test_degree_that_is_enough_leaves_out_no_more_than_the_tolerance(clamped):
 def test_interval_of_every_degree_holds_the_limit(seed, degree):
     """Of the gain, from the independent computation."""
     study = varied(seed, designs=CLAMPED, waves=regular(2.5, 5.0), modes={"basis": "full", "degree": degree})
-    buoy = StudyPlan(study).ladder.spec.buoy
+    buoy = StudyPlan(study).ladder.spec["study"]
     gain = gains(searched(study).powers(study.modes))
     found = modes_left_out(buoy, [(wave, wave.realisation(12.0, 0.0)) for wave in study.waves])
     low, high = found.gain.sel(design="CLAMPED", take_off="best_damper").values.T

@@ -97,7 +97,7 @@ def test_control_beside_drag_absorbs_what_the_drag_itself_leaves(example):
 
     def found(coefficient):
         own = varied(study, drag={"heave": {"coefficient": coefficient, "area": 12.5}})
-        system = StudyPlan(own).ladder.spec.system
+        system = StudyPlan(own).ladder.spec["study"]
         return system, optimum_with_drag(system, floating, "FSB", wave, sea, own.pto, limit)
 
     _, still = found(1e-6)

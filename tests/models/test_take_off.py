@@ -288,7 +288,7 @@ def study_of(small, design="VSWEC", drag=PLATE, wave=WAVE, **sections):
 def run_of(study):
     """The specification of the run of a study of one design in one wave."""
     (design,), (wave,) = study.designs, study.waves
-    return StudyPlan(study).simulation(design, wave).spec
+    return StudyPlan(study).simulation(design, wave).spec["run"]
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
@@ -339,7 +339,8 @@ def test_control_levels_are_ordered_beside_drag(small):
     sea = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "gamma": 3.3, "seed": 1}
     data = small.study.model_dump() | {"waves": [WAVE, sea], "designs": {"VSWEC": {}}}
     free, dragged = (
-        study_ladder(StudyPlan(parse(data | extra)).ladder.spec, small.database.out) for extra in ({}, {"drag": PLATE})
+        study_ladder(StudyPlan(parse(data | extra)).ladder.spec["study"], small.database.out)
+        for extra in ({}, {"drag": PLATE})
     )
     of_linear_water = (SAME_FORCE, CAUSAL)  # beside drag a row says why it has no power
     free, dragged = ([r for r in some if r.rung not in of_linear_water] for some in (free, dragged))

@@ -149,12 +149,12 @@ def test_damping_of_a_run(seed):
     sea, again, swell, still = study.waves
 
     def pto(design, wave, **keys):
-        return StudyPlan(varied(study, pto=keys)).simulation(design, wave).spec.pto.model_dump()
+        return StudyPlan(varied(study, pto=keys)).simulation(design, wave).spec["run"].study.pto.model_dump()
 
     assert pto("B", sea) == {"damping": 2.0}
     assert pto("B", sea, tuning="each") == {"tuning": "each"}
     assert pto("B", still, tuning="each") == {"damping": 2.0}
     assert pto("B", still, tuning="one") == {"tuning": "one"}
-    one = StudyPlan(varied(study, pto={"tuning": "one"})).simulation("A", again).spec
+    one = StudyPlan(varied(study, pto={"tuning": "one"})).simulation("A", again).spec["run"]
     assert one.seas == (sea, swell)
-    assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).spec.seas == ()
+    assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).spec["run"].seas == ()

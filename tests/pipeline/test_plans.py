@@ -9,11 +9,10 @@ from conftest import EXAMPLE, SEED, varied
 from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.spectral.solver import MOST_NODES, SpectralProblem, largest_error
 from vsb.errors import ConfigError
-from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.plans import CampaignPlan, degree_lines, plan_of, with_degree
-from vsb.study.resolution import bending_degree, degree_needed
+from vsb.study.resolution import bending_degree, block_id, degree_needed
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
 
@@ -77,7 +76,7 @@ def test_materials_and_clamps_of_a_sphere_share_its_hydrodynamics(planned):
     vary = {"device.young_modulus": [1e6, 1e9], "device.thickness": [0.01, 0.02], "designs.VSWEC0.clamp": [0.0, 45.0]}
     sphere = planned(vary)
     assert {one.spec.sweep for one in sphere.members} == {
-        tuple(content_id(block) for block in StudyPlan(sphere.loaded.base).sweep_blocks)
+        tuple(block_id(block) for block in StudyPlan(sphere.loaded.base).sweep_blocks)
     }
     assert len({one.spec.sweep for one in planned({**vary, "device.mass": [16000.0, 17000.0]}).members}) == 2
     deformed = planned(vary, study={"reference_shape": "equilibrium"})
@@ -87,13 +86,13 @@ def test_materials_and_clamps_of_a_sphere_share_its_hydrodynamics(planned):
 def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
     vary = {"device.young_modulus": {"log": [1e6, 1e9, 40]}, "device.thickness": {"linear": [0.01, 0.1, 25]}}
     plan = planned(vary)
-    batches = {name: [str(point) for point in one.spec.points] for name, one in plan.batches.items()}
+    batches = {name: [str(point) for point in one.spec["points"]] for name, one in plan.batches.items()}
     monkeypatch.chdir(tmp_path)
     again = CampaignPlan(plan.loaded, root="elsewhere")
-    assert {name: [str(point) for point in one.spec.points] for name, one in again.batches.items()} == batches
+    assert {name: [str(point) for point in one.spec["points"]] for name, one in again.batches.items()} == batches
     assert sorted(itertools.chain(*batches.values())) == sorted(str(one.point) for one in plan.members)
     assert len(set(ids(plan))) == 1000
-    thicknesses = [{point["device.thickness"] for point in one.spec.points} for one in plan.batches.values()]
+    thicknesses = [{point["device.thickness"] for point in one.spec["points"]} for one in plan.batches.values()]
     assert len(thicknesses) == 3
     assert sum(map(len, thicknesses)) <= 25 + 2  # shapes and buckling of each are computed in one batch, or in two
 
@@ -167,7 +166,7 @@ def test_draft_or_half_immersion_follows_the_shape(planned, tmp_path):
 def test_member_uses_the_blocks_of_its_own_study(planned, vary, study):
     found = planned(vary, study=study).members
     for one in found:
-        assert one.spec.sweep == tuple(content_id(block) for block in StudyPlan(one.study).sweep_blocks)
+        assert one.spec.sweep == tuple(block_id(block) for block in StudyPlan(one.study).sweep_blocks)
     assert len({one.spec.sweep for one in found}) == 2
 
 

@@ -42,7 +42,7 @@ SURGING = {
 
 def convergence(study, **options):
     return ModeConvergence(
-        StudyPlan(study).ladder.spec.buoy,
+        StudyPlan(study).ladder.spec["study"],
         [wave.realisation(study.hydro.omega_max, 60.0) for wave in study.waves],
         **options,
     )
@@ -50,7 +50,7 @@ def convergence(study, **options):
 
 def left_out(study):
     return modes_left_out(
-        StudyPlan(study).ladder.spec.buoy,
+        StudyPlan(study).ladder.spec["study"],
         [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves],
     )
 
@@ -215,7 +215,7 @@ def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, changes, t
     make(plan, plan.hydro_files.values())
     seas = [(wave, wave.realisation(study.hydro.omega_max, 60.0)) for wave in study.waves]
     floating = floating_system(study, plan.hydro_files["database"])
-    found = ModeConvergence(plan.ladder.spec.buoy, [directed(*one) for one in seas]).powers(study.modes)
+    found = ModeConvergence(plan.ladder.spec["study"], [directed(*one) for one in seas]).powers(study.modes)
     for i, design in enumerate(study.designs):
         port_seen, squares, _ = port_in_seas(floating, design, seas)
         assert found[i, :, 1] == pytest.approx(best_dampers(port_seen, squares).power, rel=2e-3)

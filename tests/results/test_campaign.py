@@ -8,7 +8,6 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.pipeline.plans import members
 from vsb.results.campaign import as_csv, damper, gathered, stacked, with_verification
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.vary import MEMBER
@@ -18,14 +17,13 @@ from vsb.study.vary import MEMBER
 def held(tmp_path):
     """A plan of two moduli and its members."""
     plan = planned(with_seas(tmp_path, (1.0, 6.0)), {"device.young_modulus": [3e6, 1e6]})
-    (spec,) = (one.spec for one in plan.batches.values())
-    return plan, members(spec.base, spec.points, spec.climate, spec.tuning)
+    return plan, plan.members
 
 
 def test_order_of_batches_does_not_matter(held):
     plan, found = held
     parts = [stacked([made_up(one)], [one.id]) for one in found]
-    one, other = (gathered(plan.campaign.spec, some) for some in (parts, parts[::-1]))
+    one, other = (gathered(plan.campaign.spec["spec"], some) for some in (parts, parts[::-1]))
     xr.testing.assert_identical(one, other)
     assert one.young_modulus.values.tolist() == [3e6, 1e6]
     assert one.young_modulus.attrs == {"units": "Pa", "long_name": "device.young_modulus"}
@@ -35,7 +33,7 @@ def test_order_of_batches_does_not_matter(held):
 def test_dampings_that_are_varied_stand_beside_those_of_the_results(tmp_path):
     plan = planned(with_seas(tmp_path, (1.0, 6.0)), {"pto.damping": [3e3, 1e4]})
     parts = [stacked([made_up(one)], [one.id]) for one in plan.members]
-    ds = gathered(plan.campaign.spec, parts)
+    ds = gathered(plan.campaign.spec["spec"], parts)
     assert ds.pto_damping.values.tolist() == [3e3, 1e4]
     assert ds.damping.dims[:3] == ("pto_damping", "design", "tuning")
 
@@ -43,13 +41,13 @@ def test_dampings_that_are_varied_stand_beside_those_of_the_results(tmp_path):
 def test_intervals_of_gains_in_time_are_wider_by_the_errors_of_linear_theory(held):
     """-12 to -8 % by runs, and -1.5 to +2.5 points about the linear gain."""
     plan, found = held
-    ds = gathered(plan.campaign.spec, [stacked([made_up(one) for one in found], [one.id for one in found])])
+    ds = gathered(plan.campaign.spec["spec"], [stacked([made_up(one) for one in found], [one.id for one in found])])
     like = xr.zeros_like(ds.annual_mean_power)
     ds = ds.assign(gain_percent=like + 5.0, gain_low=like + 3.5, gain_high=like + 7.5)
     ends = {"corrected_gain_percent": -10.0, "corrected_gain_low": -12.0, "corrected_gain_high": -8.0}
     run = xr.Dataset({name: ("design", np.full(like.sizes["design"], value)) for name, value in ends.items()})
     run = run.assign_coords(design=ds.design).assign_attrs(model="body_exact", runs="4 seas")
-    both = with_verification(plan.campaign.spec, ds, [run, run])
+    both = with_verification(plan.campaign.spec["spec"], ds, [run, run])
     for end, expected in (("percent", -10.0), ("low", -13.5), ("high", -5.5)):
         np.testing.assert_allclose(both[f"body_exact_gain_{end}"], expected)
 
@@ -69,8 +67,8 @@ def test_missing_values_are_empty_cells(held):
         viable=("design", [True, False]), reason=("design", np.array(["", "buckles"], dtype=object))
     )
     lost["annual_mean_power"] = lost.annual_mean_power.where(lost.viable)
-    ds = gathered(plan.campaign.spec, [stacked([made_up(found[0]), lost], [one.id for one in found])])
-    rows = list(csv.DictReader(as_csv(plan.campaign.spec, ds).splitlines()))
+    ds = gathered(plan.campaign.spec["spec"], [stacked([made_up(found[0]), lost], [one.id for one in found])])
+    rows = list(csv.DictReader(as_csv(plan.campaign.spec["spec"], ds).splitlines()))
     missing = [row for row in rows if row["annual_mean_power"] == ""]
     assert {(row["device.young_modulus"], row["design"], row["viable"], row["reason"]) for row in missing} == {
         ("1000000", "VSWEC", "false", "buckles")
@@ -83,8 +81,7 @@ def test_parameters_varied_in_pairs(tmp_path):
     """Two moduli, each with its own thickness: two points rather than four."""
     varied = {"pairs": True, "device.young_modulus": [3e6, 1e6], "device.thickness": [0.02, 0.01]}
     plan = planned(with_seas(tmp_path, (1.0, 6.0)), varied)
-    (spec,) = (one.spec for one in plan.batches.values())
-    found = members(spec.base, spec.points, spec.climate, spec.tuning)
+    found = plan.members
     power = {1e6: 5.0, 3e6: 7.0}
     parts = [
         stacked(
@@ -94,13 +91,13 @@ def test_parameters_varied_in_pairs(tmp_path):
         for each in found
         for one in [made_up(each)]
     ]
-    ds = gathered(plan.campaign.spec, parts)
+    ds = gathered(plan.campaign.spec["spec"], parts)
     assert ds.attrs["varied"] == "young_modulus thickness"
     assert ds.annual_mean_power.dims[0] == MEMBER
     for name, values in (("young_modulus", [3e6, 1e6]), ("thickness", [0.02, 0.01])):
         assert (ds[name].dims, ds[name].values.tolist()) == ((MEMBER,), values)
     assert ds.annual_mean_power.isel(design=0, tuning=0).values.tolist() == [7.0, 5.0]
-    rows = list(csv.DictReader(as_csv(plan.campaign.spec, ds).splitlines()))
+    rows = list(csv.DictReader(as_csv(plan.campaign.spec["spec"], ds).splitlines()))
     shown = {(row["device.young_modulus"], row["device.thickness"], row["annual_mean_power"]) for row in rows}
     assert shown == {("3000000", "0.02", "7"), ("1000000", "0.01", "5")}
     assert len(rows) == 12

@@ -165,7 +165,7 @@ def test_power_within_limits_is_ordered_with_expectations_whatever_the_run(small
     data = small.study.model_dump() | {"waves": [sea], "designs": {"FSB": {"flexible": False}}, "simulation": run}
     for limit in (1e7, 2e3):
         plan = StudyPlan(parse(data | {"pto": {"damping": 8e3, "force_limit": limit}}))
-        levels = {one.rung: one for one in study_ladder(plan.ladder.spec, small.database.out)}
+        levels = {one.rung: one for one in study_ladder(plan.ladder.spec["study"], small.database.out)}
         power[limit] = levels["constrained"].power_mean
         matched = levels["matched"].power_mean
         assert levels["constrained"].limit_fraction == pytest.approx(power[limit] / matched, rel=1e-12)
@@ -309,7 +309,7 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     energy, omega = 0.5, np.array([1.5])
     study = varied(seed, pto={"port": {"distributed": "membrane"}, "damping": None, "tuning": "each"})
     study = varied(study, pto={"energy_per_cycle": energy})
-    basis, spec = study_basis(study), StudyPlan(study).ladder.spec
+    basis, spec = study_basis(study), StudyPlan(study).ladder.spec["study"]
     port = port_direction(study.pto.port, reference_shell(study).shape)
     motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
     floating = FloatingSystem(spectral_seed, motions, port)
@@ -332,7 +332,7 @@ def test_causal_control_lies_between_damper_and_known_future_at_its_force(small,
     data = small.study.model_dump() | {"waves": [sea, regular]}
     pto = {"tuning": "each", "force_limit": limit, "control": {"noise": 1e-6, "forecast": 0.5}}
     plan = StudyPlan(parse(data | {"pto": pto}))
-    levels = study_ladder(plan.ladder.spec, small.database.out)
+    levels = study_ladder(plan.ladder.spec["study"], small.database.out)
     assert {level.wave for level in levels if level.rung == "causal"} == {plan.study.waves[0].label}
     for design in data["designs"]:
         by = {level.rung: level for level in levels if level.design == design and level.wave != "regular_A0.1_T3"}
@@ -357,7 +357,7 @@ def test_several_ports_of_a_given_rms_force(small):
     both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
     plans = (StudyPlan(parse(data | {"pto": pto | {"control": {"force_rms": 300.0}}})) for pto in (both, {}))
     several, one = (
-        {(level.design, level.rung): level for level in study_ladder(plan.ladder.spec, small.database.out)}
+        {(level.design, level.rung): level for level in study_ladder(plan.ladder.spec["study"], small.database.out)}
         for plan in plans
     )
     for rung in ("damper_same_force", "causal"):
@@ -377,7 +377,7 @@ def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small)
     sea, drag = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"heave": {"coefficient": 2.0, "area": 12.0}}
     data = small.study.model_dump() | {"waves": [sea], "pto": {"tuning": "each"}, "drag": drag}
     data["designs"] = {"VSWEC": {}}
-    levels = study_ladder(StudyPlan(parse(data)).ladder.spec, small.database.out)
+    levels = study_ladder(StudyPlan(parse(data)).ladder.spec["study"], small.database.out)
     for design in data["designs"]:
         by = {level.rung: level for level in levels if level.design == design}
         assert by["damper_same_force"].power_mean == by["best_damper"].power_mean
@@ -391,7 +391,7 @@ def test_damper_is_the_causal_level_where_noise_hides_the_waves(small):
     data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 6.0}]}
     data["designs"] = {"FSB": {"flexible": False}}
     plan = StudyPlan(parse(data | {"pto": {"force_limit": 300.0, "control": {"noise": 0.5}}}))
-    by = {level.rung: level for level in study_ladder(plan.ladder.spec, small.database.out)}
+    by = {level.rung: level for level in study_ladder(plan.ladder.spec["study"], small.database.out)}
     assert by["causal"].power_mean == by["damper_same_force"].power_mean
     assert by["causal"].damping == by["damper_same_force"].damping > 0
     assert "damper" in by["causal"].note
@@ -403,7 +403,8 @@ def test_causal_control_of_several_ports_lies_between_damper_matrix_and_matched_
     both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
     alone = data | {"pto": {"tuning": "each"}, "designs": {"FSB": {"flexible": False}}}
     several, one = (
-        study_ladder(StudyPlan(parse(raw)).ladder.spec, small.database.out) for raw in (data | {"pto": both}, alone)
+        study_ladder(StudyPlan(parse(raw)).ladder.spec["study"], small.database.out)
+        for raw in (data | {"pto": both}, alone)
     )
     assert {level.rung for level in several} >= {"damper_same_force", "causal", "best_diagonal"}
     for design in data["designs"]:

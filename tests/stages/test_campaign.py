@@ -19,7 +19,6 @@ from stages.test_members import folder, gather, planned, run, with_seas  # noqa:
 from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import BuoyOfShape
 from vsb.models.rest import reference_shell
-from vsb.pipeline.plans import members
 from vsb.report import page as pages
 from vsb.report.campaign_answer import closing_answer, leading
 from vsb.report.interactive import PERIODS
@@ -28,6 +27,7 @@ from vsb.results.campaign import stacked
 from vsb.stages import campaign
 from vsb.stages.campaign import animated_year, interactive_year
 from vsb.stages.check import read_climate
+from vsb.stages.stage import run_task
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
 
@@ -56,8 +56,7 @@ def plan(tmp_path):
     """A plan whose batches are there."""
     one = planned(with_seas(tmp_path, (1.0, 6.0)), VARIED)
     for batch, task in one.batches.items():
-        spec = task.spec
-        held = members(spec.base, spec.points, spec.climate, spec.tuning)
+        held = one.members_by_batch[batch]
         whole = stacked([made_up(each) for each in held], [each.id for each in held])
         save(whole.assign_attrs(spec_id=batch), task.out)
     return one
@@ -79,7 +78,7 @@ def test_table_is_stamped_and_equals_the_data(plan):
     rows = list(csv.DictReader(Path(plan.campaign.makes[1]).read_text().splitlines()))
     keys = ("device.young_modulus", "device.thickness", "design", "tuning")
     tunings = ["fixed", "one", "each"]
-    points = [[f"{value:.12g}" for value in one.values()] for one in plan.campaign.spec.vary.points]
+    points = [[f"{value:.12g}" for value in one.values()] for one in plan.campaign.spec["spec"].vary.points]
     expected = [[*one, design, tuning] for one in points for design in ("FSB", "VSWEC") for tuning in tunings]
     assert [[row[key] for key in keys] for row in rows] == expected
     for row in rows:
@@ -97,9 +96,8 @@ def answered_plan(tmp_path_factory):
         name="soft",
     )
     for batch, task in one.batches.items():
-        spec = task.spec
-        held = members(spec.base, spec.points, spec.climate, spec.tuning)
-        found = [year_of(each.study, climate(8), spec.tuning) for each in held]
+        held = one.members_by_batch[batch]
+        found = [year_of(each.study, climate(8), task.spec["tuning"]) for each in held]
         save(stacked(found, [each.id for each in held]).assign_attrs(spec_id=batch), task.out)
     gather(one)
     return one
@@ -108,14 +106,7 @@ def answered_plan(tmp_path_factory):
 @pytest.fixture(scope="module")
 def written(answered_plan):
     """The files of the answer by path, as they are written."""
-    files = (f"{answered_plan.folder}/figures", f"{answered_plan.folder}/report.html", answered_plan.manifest)
-    campaign.run_campaign_report(
-        answered_plan.campaign.spec,
-        answered_plan.data_path,
-        answered_plan.loaded.climate_path,
-        answered_plan.root,
-        *files,
-    )
+    run_task(answered_plan.report)
     paths = [f"{answered_plan.folder}/report.html", *answered_plan.report.makes[1:]]
     return {path: Path(path).read_bytes() for path in paths}
 
@@ -152,7 +143,7 @@ def swept(folder):  # noqa: F811
 def test_page_computes_energies_and_power_matrices_of_the_campaign(swept, tmp_path):
     plan, ds = swept
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    data = interactive_year(plan.campaign.spec, ds, *leading(ds), seas, plan.root)
+    data = interactive_year(plan.campaign.spec["spec"], ds, *leading(ds), seas, plan.root)
     expression = """data.points.map((stored) => {
       const bins = unpackedBins(data.bins);
       const point = unpackedPoint(stored);
@@ -200,7 +191,7 @@ def moved(swept):
     plan, ds = swept
     with chdir(plan.root + "/.."):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
-        return animated_year(plan.campaign.spec, ds, *leading(ds), seas, plan.root)
+        return animated_year(plan.campaign.spec["spec"], ds, *leading(ds), seas, plan.root)
 
 
 def test_animation_of_a_campaign_page(swept, tmp_path):

@@ -21,7 +21,7 @@ from vsb.pipeline.plans import plan_of
 from vsb.stages import preview
 from vsb.stages.campaign_preview import check, summary
 from vsb.stages.check import read_climate, sea_lines
-from vsb.study.specs import ClimateSpec
+from vsb.study.campaign import Scatter, Spectra
 from vsb.tools.packed import SUFFIX, Pack
 
 
@@ -173,9 +173,10 @@ CLIMATES = Path(__file__).parents[2] / "config" / "climate"
 BUOY = CLIMATES / "ndbc46042_1996_spectra.txt.gz"
 
 
-def spec(path, form, gamma=None):
-    """The specification of a climate file."""
-    return ClimateSpec(form=form, gamma=gamma, contents=hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16])
+def year(path, form, gamma=3.3):
+    """A climate file, named by its contents."""
+    named = Spectra(spectra="") if form == "spectra" else Scatter(scatter="", spectrum=form, gamma=gamma)
+    return named.of_contents(hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16])
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +188,7 @@ def short(tmp_path_factory):
 
 
 def test_changed_or_missing_climate_file_is_refused(short, tmp_path):
-    planned, other = spec(short, "spectra"), tmp_path / "other.txt"
+    planned, other = year(short, "spectra"), tmp_path / "other.txt"
     other.write_text(short.read_text() + "\n")
     with pytest.raises(ConfigError, match=r"other.txt: changed since the run was planned; run vsb run CONFIG again"):
         read_climate(planned, str(other))

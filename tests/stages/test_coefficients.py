@@ -22,7 +22,8 @@ from vsb.pipeline import costs
 from vsb.pipeline.graph import BodyPlan, frequencies
 from vsb.pipeline.jobs import jobs
 from vsb.pipeline.plans import plan_of
-from vsb.stages.coefficients import judged, run_frequencies
+from vsb.stages.coefficients import judged
+from vsb.stages.stage import run_task
 from vsb.study.body import load_body
 
 SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
@@ -170,7 +171,7 @@ def test_conjugated_excitation_is_repaired_on_request(capsys):
     for name, repair in (("sound", []), ("turned", ["phases"])):
         plan = plan_of(of_ball(name, hydro={"repair": repair}))
         found = read_source("database", plan.files["database"], plan.study.water, 1.0)
-        bodies.append(judged(plan.database.spec, found).database.excitation_force)
+        bodies.append(judged(plan.database.spec["source"], found).database.excitation_force)
     np.testing.assert_array_equal(*bodies)
 
 
@@ -219,7 +220,7 @@ def hull_study(place, panel, **more):
 def test_long_bodies_are_shared_among_jobs_each_frequency_once(tmp_path):
     some = jobs(plan_of(hull_study(tmp_path, 0.1)))
     apart = [job for job in some if job.rule == "frequencies"]
-    asked = [omega for job in apart for task in job.tasks for omega in task.spec.omega]
+    asked = [omega for job in apart for task in job.tasks for omega in task.spec["omega"]]
     assert len(apart) > 1
     assert sorted(asked) == [*CYLINDER["omega"], math.inf]
     (database,) = (job for job in some if job.rule == "coefficients")
@@ -242,7 +243,7 @@ def test_database_of_frequencies_solved_apart_is_the_same(tmp_path, monkeypatch,
         if name == "apart":
             sources = {"folder": str(out), "green": str(green_folder)}
             for task in frequencies(study, sources, (), out):
-                run_frequencies(task.spec, **task.files)
+                run_task(task)
             written_at = {path: path.stat().st_mtime_ns for path in Path(out, "blocks").glob("*.nc")}
             assert len(written_at) == len(CYLINDER["omega"]) + 1
         solve(study, body, out, green_folder)

@@ -85,7 +85,7 @@ def test_sensitivity_is_the_exponent_of_a_power_law(folder):
         gradients={POWER: 2 * power / damper}, multipliers={}, kkt=0.0, violation=0.0, curvatures=(), flat=(),
         accepted=True, message="", evaluations=1, degree=None, truncation=None, margins={},
     )  # fmt: skip
-    rows = sensitivity_table(planned(folder, "squared").design.spec, {FLEXIBLE: one, COMPETITOR: one})[1]
+    rows = sensitivity_table(planned(folder, "squared").design.spec["spec"], {FLEXIBLE: one, COMPETITOR: one})[1]
     assert [(row[1], row[-1]) for row in rows] == 2 * [("pto.damping", pytest.approx(2.0, rel=1e-12))]
 
 
@@ -385,7 +385,7 @@ def test_a_start_is_kept_under_limits_that_do_not_hold_it(folder, capsys):
         changed = {**limits, **changes}
         plan = planned(folder, "kept", MANY, limits=changed)
         for task in plan.tasks:
-            if task.stage == "design_start" and task.spec.search.flexible:
+            if task.stage == "design_start" and task.spec["search"].flexible:
                 run_task(task)
         return outcomes(f"{plan.folder}/starts", [*plan.starts])[0]
 
@@ -557,7 +557,7 @@ def test_a_take_off_within_the_shell_competes_with_a_rigid_one_in_heave(folder):
         assert re.search(words, " ".join(raised.value.mistakes))
     plan = planned(folder, "opposed", {"device.mass": [9e3, 2.2e4]}, **against)
     heave = planned(folder, "heave_alone", {"device.mass": [9e3, 2.2e4]})
-    assert [one.spec.search.base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
+    assert [one.spec["search"].base["pto"] for one in plan.rigid_starts.values()] == [{"tuning": "each"}]
     rigid = [found_by(one)[COMPETITOR][0] for one in (plan, heave)]
     assert rigid[0].quantities[POWER] == pytest.approx(rigid[1].quantities[POWER], rel=1e-12)
 
@@ -656,7 +656,7 @@ def test_errors_along_a_front_under_causal_control_are_those_of_its_own_force(fo
 
 def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     plan = planned(folder, "gained", maximise="gain")
-    (task,) = (task for task in plan.tasks if task.stage == "design_start" and task.spec.search.flexible)
+    (task,) = (task for task in plan.tasks if task.stage == "design_start" and task.spec["search"].flexible)
     run_task(task)
     (end,) = outcomes(f"{plan.folder}/starts", [*plan.starts])
     seas = read_climate(plan.climate, plan.loaded.climate_path)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import varied
+from conftest import run_at, varied
 
 from vsb.engine.hydro.database import load_database
 from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, fit_radiation
@@ -23,7 +23,7 @@ def test_radiation_model_is_passive_and_within_its_stated_error(small):
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     assert ds.attrs["order"] == model.order
     assert np.linalg.eigvals(model.state_matrix).real.max() < 0
-    assert ds.attrs["fit_error"] <= small.radiation.spec.tolerance
+    assert ds.attrs["fit_error"] <= small.radiation.spec["tolerance"]
     damping = model.damping(ds.omega.values)
     np.testing.assert_allclose(ds.damping_state_space.values, np.einsum("wii->wi", damping))
     assert np.linalg.eigvalsh(damping).min() > -1e-9 * damping.max()
@@ -91,7 +91,7 @@ def test_optimal_damping_is_the_impedance_modulus(ds):
 def test_optimal_damping_beside_a_spring(small, ds, tmp_path):
     """The damper sees Z + i k/omega: optimal is its modulus, power |V Z|^2 c/(2 |Z + i k/omega + c|^2)."""
     plan = StudyPlan(varied(small.study, pto={"stiffness": 4.0e4}))
-    frequency.run_response(plan.response.spec, small.database.out, str(tmp_path / "sprung.nc"))
+    run_at(plan.response, database=small.database.out, out=str(tmp_path / "sprung.nc"))
     sprung = load(tmp_path / "sprung.nc")
     shared = np.intersect1d(sprung.omega, ds.omega)  # each has frequencies of its own at resonances and extremes
     assert len(shared) > 0.8 * ds.sizes["omega"]
@@ -119,13 +119,13 @@ def test_frequency_grid_resolves_resonances_and_extreme_gains(small, ds):
     """A grid thirty times as fine shows no larger and no smaller gain than the one that is written."""
     (wave,) = small.study.waves
     assert wave.omega in ds.omega.values
-    floating = floating_system(small.response.spec, small.database.out)
+    floating = floating_system(small.response.spec["study"], small.database.out)
     for motions in floating.motions.values():
         natural, _ = replace(floating.linear, pto=LinearPto(0.0, 0.0, floating.port)).natural_modes(motions)
         shown = natural[natural < float(ds.omega[-1])]
         assert np.abs(ds.omega.values[:, None] - shown).min(axis=0).max() < 1e-9
     fine = np.linspace(*ds.omega.values[[0, -1]], 30 * ds.sizes["omega"])
-    powers = frequency.best_powers(small.response.spec, frequency.in_few_motions(floating), 0.0, fine)
+    powers = frequency.best_powers(small.response.spec["study"], frequency.in_few_motions(floating), 0.0, fine)
     found, exact = ((100 * (p / p.sel(design="FSB") - 1)).where(gain_band(p, "FSB")) for p in (ds.best_power, powers))
     assert float(found.max()) == pytest.approx(float(exact.max()), abs=0.05)
     assert float(found.min()) == pytest.approx(float(exact.min()), abs=0.05)

@@ -49,7 +49,8 @@ def climbed(study, root):
     plan = StudyPlan(study, root=str(root))
     make(plan, [plan.database.out])
     return {
-        (level.design, level.wave, level.rung): level for level in study_ladder(plan.ladder.spec, plan.database.out)
+        (level.design, level.wave, level.rung): level
+        for level in study_ladder(plan.ladder.spec["study"], plan.database.out)
     }
 
 
@@ -134,7 +135,7 @@ def meshes(tmp_path_factory, green_folder):
         make(plan, [plan.database.out])
         found[panels] = {
             (level.design, level.wave): level
-            for level in study_ladder(plan.ladder.spec, plan.database.out)
+            for level in study_ladder(plan.ladder.spec["study"], plan.database.out)
             if level.rung == "best_damper"
         }
     return found

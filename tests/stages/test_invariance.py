@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from conftest import run_at
 from invariance import (
     HEAVE,
     JONSWAP,
@@ -28,12 +29,9 @@ from invariance import (
 from vsb.engine.hydro.database import save_database
 from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.engine.waves.kinds import jonswap_spectrum
-from vsb.keys.quantities import canonical
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.plans import plan_of
-from vsb.stages import members
 from vsb.stages.make import make
-from vsb.stages.stage import function_of, specification
 from vsb.study import study as config
 from vsb.study.body import load_body
 from vsb.tools.files import load
@@ -194,13 +192,7 @@ def year(folder, raw, seas=SEAS, height=1.0):
     plan = plan_of(str(folder / "year.yaml"))
     ((batch, task),) = plan.batches.items()
     root = str(folder / "results")
-    members.run_members(
-        specification(function_of("members"), json.loads(canonical(task.spec))),
-        plan.loaded.climate_path,
-        f"{root}/members",
-        root,
-        f"{root}/{batch}.nc",
-    )
+    run_at(task, folder=f"{root}/members", root=root, out=f"{root}/{batch}.nc")
     return load(f"{root}/{batch}.nc")
 
 

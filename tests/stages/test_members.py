@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import time
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,16 +15,14 @@ from vsb.api.campaign import Campaign
 from vsb.engine.motion.tuning import best_matrix
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import VsbError
-from vsb.keys.quantities import canonical
 from vsb.models.floating_system import floating_system
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.plans import plan_of
 from vsb.results.budget import left_out_of_year
 from vsb.results.year import band_weights, frequencies, year
-from vsb.stages import campaign, members
 from vsb.stages.check import read_climate
 from vsb.stages.make import make
-from vsb.stages.stage import function_of, specification
+from vsb.stages.stage import run_task
 from vsb.stages.verify import verify
 from vsb.tools.files import load
 from vsb.tools.packed import Pack, packs
@@ -63,21 +60,13 @@ def planned(folder, vary=None, name="sweep", tuning=None, **sections):
     return type(plan)(plan.loaded, root=str(folder / "results"))
 
 
-def parsed(stage, spec):
-    """The specification as a job reads it."""
-    return specification(function_of(stage), json.loads(canonical(spec)))
-
-
 def batches(plan):
     for task in plan.batches.values():
-        members.run_members(
-            parsed("members", task.spec), plan.loaded.climate_path, f"{plan.folder}/members", plan.root, task.out
-        )
+        run_task(task)
 
 
 def gather(plan):
-    folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.campaign.makes[1])
-    campaign.run_campaign(parsed("campaign", plan.campaign.spec), *folders, *files, plan.manifest)
+    run_task(plan.campaign)
 
 
 def computed(plan):
@@ -90,10 +79,7 @@ def computed(plan):
 def run(plan):
     """Data of a campaign with its report."""
     found = computed(plan)
-    files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign.run_campaign_report(
-        parsed("campaign_report", plan.campaign.spec), plan.data_path, plan.loaded.climate_path, plan.root, *files
-    )
+    run_task(plan.report)
     return found
 
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import SMALL_PLAN, varied
+from conftest import SMALL_PLAN, run_at, varied
 
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.integrators.switching import periodic_power
@@ -30,9 +30,9 @@ def stored(plan, design):
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
 def test_stored_motion_is_that_of_the_scene(small, design):
     run = stored(small, design)
-    one = small.simulation(design, WAVE).spec
+    one = small.simulation(design, WAVE).spec["run"]
     scene = linear_design(one, small.hydro_files).scene
-    start = scene.start(one.simulation.initial_position, one.simulation.initial_velocity)
+    start = scene.start(one.study.simulation.initial_position, one.study.simulation.initial_velocity)
     exact = propagate(System.of(scene), run.time.values, start).position @ scene.motions.T
     np.testing.assert_allclose(run.position.values, exact[:, : run.sizes["dof"]], atol=1e-10)
     assert run.attrs["status"] == "completed"
@@ -45,7 +45,7 @@ def test_run_in_legs_equals_run_in_one_piece(small, tmp_path, monkeypatch):
     """Every instant once, also where one leg ends and the next begins."""
     whole, short = stored(small, "VSWEC"), partial(simulate.legs, longest=100)
     monkeypatch.setattr(simulate, "legs", short)
-    simulate.run_simulate(small.simulation("VSWEC", WAVE).spec, str(tmp_path / "run.nc"), **small.hydro_files)
+    run_at(small.simulation("VSWEC", WAVE), out=str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=small.simulation("VSWEC", WAVE).id)
     np.testing.assert_allclose(run.time.values, whole.time.values, atol=1e-12)
     for name in whole.data_vars:
@@ -60,7 +60,7 @@ def test_volume_and_area_are_those_of_the_moving_shell(small):
     radius = small.study.device.radius
     assert rigid.volume.values == pytest.approx(4 / 3 * np.pi * radius**3, rel=1e-9)
     assert rigid.area.values == pytest.approx(4 * np.pi * radius**2, rel=1e-9)
-    one = small.simulation("VSWEC", WAVE).spec
+    one = small.simulation("VSWEC", WAVE).spec["run"]
     shape = linear_design(one, small.hydro_files).shape
     volume, area = enclosed(shape.basis, shell.position.values)
     np.testing.assert_allclose(shell.volume.values, volume)
@@ -71,7 +71,7 @@ def test_volume_and_area_are_those_of_the_moving_shell(small):
 def test_clamped_shell_in_still_water_has_no_steady_power_and_no_drift(small, tmp_path):
     plan = StudyPlan(varied(small.study, designs={"C": {"clamp": 0}}, waves=[{"kind": "still"}]))
     (wave,) = plan.study.waves
-    simulate.run_simulate(plan.simulation("C", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
+    run_at(plan.simulation("C", wave), out=str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.simulation("C", wave).id)
     assert "steady_power" not in run.attrs
     assert run.attrs["constraint_drift"] < 1e-12
@@ -90,12 +90,12 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     simulation = {"duration": 100.0, "window": [75.0, 100.0], "initial_velocity": 0.0}
     plan = StudyPlan(varied(small.study, pto=pto, waves=waves, simulation=simulation))
     (wave,) = plan.study.waves
-    simulate.run_simulate(plan.simulation("FSB", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
+    run_at(plan.simulation("FSB", wave), out=str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.simulation("FSB", wave).id)
     assert LAWS[law] in run.attrs
     window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values
     assert run.attrs["steady_power"] == pytest.approx(np.diff(window)[0] / 25.0, rel=5e-3)
-    scene = linear_design(plan.simulation("FSB", wave).spec, small.hydro_files).system
+    scene = linear_design(plan.simulation("FSB", wave).spec["run"], small.hydro_files).system
     assert run.attrs["steady_power"] == pytest.approx(periodic_power(scene, 1e-6)[0], rel=1e-4)
 
 

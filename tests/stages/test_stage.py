@@ -8,24 +8,11 @@ import time
 
 import psutil
 import pytest
-from conftest import SEED
 
 from vsb.errors import ConfigError, VsbError
-from vsb.pipeline.graph import StudyPlan, Task
-from vsb.stages.stage import exclusive_lock, run_side_by_side, shared_lock, stamp
-from vsb.study.study import load
+from vsb.pipeline.graph import Task
+from vsb.stages.stage import exclusive_lock, run_side_by_side, shared_lock
 from vsb.tools import files
-
-
-def test_stamp_depends_on_specification_and_source_files():
-    plan = StudyPlan(load(SEED))
-    ids = [
-        stamp(plan.radiation.spec, *files)["spec_id"]
-        for files in ((), ("a/one.nc",), ("b/one.nc", ""), ("one.nc", "two.nc"))
-    ]
-    assert ids[1] == ids[2]
-    assert len(set(ids)) == 3
-    assert stamp(plan.response.spec, "a/one.nc")["spec_id"] != ids[1]
 
 
 def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
@@ -61,7 +48,7 @@ def test_every_shared_file_of_a_task_is_held_until_it_is_done(tmp_path):
 
 def some(*chain):
     """Tasks by name, each with the names it needs."""
-    return [Task("modes", None, {}, (name,), tuple(needs)) for name, *needs in chain]
+    return [Task("modes", {}, {}, (name,), tuple(needs)) for name, *needs in chain]
 
 
 def test_each_begins_after_what_it_needs_and_all_are_done(tmp_path):

@@ -25,7 +25,9 @@ POINTS = [
 def powers(plan):
     """Power and interval at the optimal damper in each wave [W]."""
     make(plan, [plan.database.out])
-    levels = [level for level in study_ladder(plan.ladder.spec, plan.database.out) if level.rung == "best_damper"]
+    levels = [
+        level for level in study_ladder(plan.ladder.spec["study"], plan.database.out) if level.rung == "best_damper"
+    ]
     return [(level.low, level.power_mean, level.high) for level in levels]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from stages.test_invariance import barge
-from stages.test_members import BASE, batches, gather, parsed, with_seas
+from stages.test_members import BASE, batches, gather, with_seas
 
 from vsb.engine.hydro.database import save_database
 from vsb.engine.motion.port import LinearPto
@@ -17,8 +17,8 @@ from vsb.report.campaign_answer import answer as answer_of
 from vsb.report.campaign_page import head, rows, warnings
 from vsb.results.campaign import with_verification
 from vsb.results.verification import DesignInTime
-from vsb.stages import members
 from vsb.stages.body_preview import check
+from vsb.stages.stage import run_task
 from vsb.study.body import located
 from vsb.tools import packed
 from vsb.tools.files import load
@@ -52,9 +52,7 @@ def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "on
 
 def simulated(plan):
     for task in plan.verifications.values():
-        members.run_verification(
-            parsed("verification", task.spec), plan.loaded.climate_path, plan.root, task.out
-        )  # fmt: skip
+        run_task(task)
     return [load(task.out, expected=task.id) for task in plan.verifications.values()]
 
 
@@ -144,7 +142,7 @@ def test_points_whose_runs_fail_keep_their_linear_year(checked):
     why = "FSB in a sea of Hs 4 m and Te 9 s: the motion cannot be followed"
     lost = [one.where(False).assign_attrs(one.attrs, failure=why) for one in runs]
     some, none = (
-        with_verification(plan.campaign.spec, linear.assign_attrs(said), chosen)
+        with_verification(plan.campaign.spec["spec"], linear.assign_attrs(said), chosen)
         for chosen in ([lost[0], runs[1]], lost)
     )
     for ds in (some, none):

@@ -3,12 +3,13 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
-from conftest import shipped, varied
+from conftest import run_at, shipped, varied
 from shell.test_device import raw
 
 from tests.hydro.formats.test_checks import sound
@@ -18,14 +19,15 @@ from vsb.engine.hydro.formats.wamit import wamit_texts
 from vsb.engine.hydro.panels import mesh as meshing
 from vsb.engine.shell.deformed import rigid_sphere
 from vsb.errors import DatabaseError
-from vsb.keys.quantities import content_id
 from vsb.models.rest import reference_shell, study_basis
 from vsb.pipeline.graph import StudyPlan
-from vsb.stages import panels, water
+from vsb.stages import panels
 from vsb.stages.coefficients import import_bemio, import_wamit
 from vsb.stages.make import make
+from vsb.stages.stage import run_task
 from vsb.stages.water import _at_rest, spectral_problem
-from vsb.study.specs import DatabaseSpec, SphereMesh
+from vsb.study.resolution import block_id
+from vsb.study.specs import Sphere
 from vsb.study.study import load as load_study
 from vsb.study.study import parse
 from vsb.tools import files
@@ -34,7 +36,7 @@ from vsb.tools.files import load
 
 def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
     study = varied(seed, modes={"basis": "full", "degree": 4})
-    water.run_modes(StudyPlan(study).modes.spec, str(tmp_path / "modes.nc"))
+    run_at(StudyPlan(study).modes, out=str(tmp_path / "modes.nc"))
     ds, basis = load(tmp_path / "modes.nc"), study_basis(study)
     assert tuple(ds.mode.values) == basis.labels[1:]
     assert (ds.colatitude.values[0], ds.colatitude.values[-1]) == (0.0, pytest.approx(np.pi))
@@ -49,7 +51,7 @@ def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
 def test_rest_shape_of_a_spheroid(seed, tmp_path):
     """Displacement along e_r and e_phi from the point of the sphere to that of the meridian at the same angle."""
     study = varied(seed, device={"shape": {"spheroid": {"height": 3.0}}}, modes={"basis": "full", "degree": 3})
-    water.run_modes(StudyPlan(study).modes.spec, str(tmp_path / "modes.nc"))
+    run_at(StudyPlan(study).modes, out=str(tmp_path / "modes.nc"))
     ds, r = load(tmp_path / "modes.nc"), study.device.radius
     phi = ds.colatitude.values
     out, along = r + ds.rest_radial.values, ds.rest_meridional.values
@@ -66,18 +68,19 @@ def spec(request):
 
 def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
     ds = panels.mean_mesh(spec, 2)
-    if isinstance(spec, SphereMesh):
+    rest = spec.shape
+    if isinstance(rest, Sphere):
         rows, azimuth, lid = (-(-n // 2) for n in (spec.rows, spec.azimuth, spec.lid_rows))
-        assert ds.identical(meshing.mean_mesh(spec.radius, spec.centre_height, rows, azimuth, lid))
+        assert ds.identical(meshing.mean_mesh(rest.radius, rest.centre_height, rows, azimuth, lid))
         return
-    shape = reference_shell(spec).shape
+    shape = reference_shell(rest).shape
     at = shape.meridian(ds.row_colatitude.values)
     length = np.hypot(at.dx, at.dz)
     np.testing.assert_allclose(ds.normal_radius.values, -at.dz / length, atol=1e-9)
     np.testing.assert_allclose(ds.normal_height.values, at.dx / length, atol=1e-9)
     keel = shape.meridian(np.array([np.pi])).z[0]
     assert ds.meridian_height.values[-1] == pytest.approx(keel)
-    assert abs(keel - (spec.centre_height - spec.radius)) > 1e-3
+    assert abs(keel - (rest.centre_height - rest.radius)) > 1e-3
 
 
 @pytest.mark.parametrize(
@@ -91,9 +94,9 @@ def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
 )
 def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, changes):
     study = varied(load_study(shipped(name)), **changes)
-    spec = StudyPlan(study).deformed.spec
-    rest, *moved = panels.shapes(spec)
-    assert [shape.name for shape in moved] == [f"{m}_{side}" for m in spec.deformed for side in ("minus", "plus")]
+    given = StudyPlan(study).deformed.spec["shapes"]
+    rest, *moved = panels.shells(given)
+    assert [shape.name for shape in moved] == [f"{m}_{side}" for m in given.deformed for side in ("minus", "plus")]
     keel = -rest.shell.meridian(np.array([np.pi])).z[0]
     assert keel == pytest.approx(reference_shell(study).keel_depth, rel=1e-12)
     for shape in moved:
@@ -104,7 +107,7 @@ def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, c
 
 def test_viewable_shapes_are_written_and_stamped(seed, tmp_path):
     plan = StudyPlan(varied(seed, modes={"degree": 1}))
-    water.run_display(plan.display.spec, str(tmp_path / "shapes"), str(tmp_path / "manifest.json"))
+    run_at(plan.display, out=str(tmp_path / "shapes"), manifest=str(tmp_path / "manifest.json"))
     names = {path.rsplit("/")[-1] for path in plan.display.makes}
     assert {path.name for path in (tmp_path / "shapes").iterdir()} == names
     stamps = json.loads((tmp_path / "manifest.json").read_text())
@@ -132,14 +135,14 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
     found = {}
     for solver in ("panels", "spectral"):
         hydro = {"omega": [1.0, 2.0], "omega_max": 3.0} | ({"rows": 12} if solver == "panels" else {})
-        (spec,) = StudyPlan(varied(seed, hydro=hydro, modes={"degree": 1})).tabulated_blocks
-        out = tmp_path / f"{solver}.nc"
-        if solver == "panels":
-            panels.run_mesh(spec.mesh, str(tmp_path / "mean.nc"))
-            panels.run_panels(spec, str(tmp_path / "mean.nc"), str(green_folder), str(out))
-        else:
-            water.run_spectral(spec, str(out))
-        found[solver] = load(out, expected=content_id(spec))
+        plan = StudyPlan(varied(seed, hydro=hydro, modes={"degree": 1}), root=str(tmp_path))
+        (block,) = plan.tabulated_blocks
+        for task in plan.blocks():
+            if task.id == block_id(block):
+                run_at(task, **({"green": str(green_folder)} if solver == "panels" else {}))
+            elif task.stage == "mesh":
+                run_task(task)
+        found[solver] = load(plan.block_path(block), expected=block_id(block))
     for name in ("added_mass", "radiation_damping"):
         one, other = (found[solver][name].values for solver in found)
         assert one.shape == other.shape == (2, 2, 2)
@@ -149,42 +152,42 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
 @pytest.mark.slow
 def test_both_solvers_agree_within_their_error_estimates(seed, tmp_path):
     """Of a rigid sphere on few rows."""
-    spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness.spec
-    spec = spec.model_copy(update={"meshes": spec.meshes.model_copy(update={"rows": 16, "azimuth": 32})})
-    panels.run_deformed(spec.meshes, str(tmp_path / "meshes"))
-    panels.run_witness(spec, str(tmp_path / "meshes"), str(tmp_path / "witness.nc"))
-    ds = load(tmp_path / "witness.nc", expected=content_id(spec))
-    assert tuple(ds.omega.values) == spec.omega
+    plan = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}), root=str(tmp_path))
+    shapes = plan.witness.spec["shapes"].model_copy(update={"rows": 16, "azimuth": 32})
+    for task in (plan.deformed, plan.witness):
+        run_task(replace(task, spec=task.spec | {"shapes": shapes}))
+    ds = load(plan.witness.out, expected=plan.witness.id)
+    assert tuple(ds.omega.values) == plan.witness.spec["omega"]
     assert (ds.witness_difference <= ds.witness_estimate.sum("solver")).all()
     assert float(ds.witness_difference.max()) < 0.02
 
 
 def test_missing_or_foreign_block_is_refused(small, tmp_path):
-    (name,) = small.database.spec.sweep
+    (name,) = small.database.spec["sweep"]
     with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
-        water.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
+        run_at(small.database, blocks=str(tmp_path), out=str(tmp_path / "out.nc"))
     block = load(small.block_path(small.sweep_blocks[0]))
     files.save(block.assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
     with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
-        water.run_database(small.database.spec, str(tmp_path), str(tmp_path / "out.nc"))
+        run_at(small.database, blocks=str(tmp_path), out=str(tmp_path / "out.nc"))
     assert not (tmp_path / "out.nc").exists()
 
 
 def test_failed_check_stops_unless_accepted(small, tmp_path):
     """Damping of the wrong size violates Haskind's relation; solved again it does, too, of water that is too dense."""
-    (name,) = small.database.spec.sweep
+    (name,) = small.database.spec["sweep"]
     shutil.copy(small.block_path(small.sweep_blocks[0]), tmp_path)
     block = load(tmp_path / f"{name}.nc")
     other = json.loads(block.attrs["spec"])
-    other["water"]["density"] *= 1.3
+    other["block"]["water"]["density"] *= 1.3
     damaged = block.assign(radiation_damping=1.3 * block.radiation_damping).assign_attrs(spec=json.dumps(other))
     files.save(damaged, tmp_path / f"{name}.nc")
     out = str(tmp_path / "db" / "out.nc")
     with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
-        water.run_database(small.database.spec, str(tmp_path), out)
+        run_at(small.database, blocks=str(tmp_path), out=out)
     assert not Path(out).exists()
-    spec = DatabaseSpec(**{**small.database.spec.model_dump(), "accept": ("haskind", "kramers_kronig")})
-    water.run_database(spec, str(tmp_path), out)
+    accepted = small.database.spec | {"accept": ["haskind", "kramers_kronig"]}
+    run_at(replace(small.database, spec=accepted), blocks=str(tmp_path), out=out)
     assert "accepted" in load(out).attrs["quality"]
 
 
@@ -275,7 +278,7 @@ def test_wamit_and_bemio_files_are_imported_with_a_verdict(tmp_path):
 def test_centres_of_a_spheroid_that_floats_high():
     """Stretched from the cap of a sphere of 2 m, whose centroid lies 3 (2 r - h)^2/4 (3 r - h) below the centre."""
     study = parse(raw({"spheroid": {"height": 3.0}}, device={"mass": 9e3, "centre_of_mass": -0.4}))
-    found, height, h = _at_rest(StudyPlan(study).database.spec), study.centre_height, study.draft / 0.75
+    found, height, h = _at_rest(study), study.centre_height, study.draft / 0.75
     assert found["displaced_volume"] == pytest.approx(9e3 / 1025.0, rel=1e-9)
     assert found["centre_of_buoyancy"][2] == pytest.approx(height - 0.75 * 3 * (4 - h) ** 2 / (4 * (6 - h)), rel=1e-9)
     assert found["centre_of_mass"] == pytest.approx([0.0, 0.0, height - 0.4])

@@ -15,10 +15,9 @@ from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.waves.water import wavenumber
 from vsb.errors import ConfigError
-from vsb.keys.quantities import content_id
 from vsb.models.rest import study_basis
 from vsb.pipeline.graph import StudyPlan
-from vsb.study.resolution import frequency_step, tolerance_rows
+from vsb.study.resolution import block_id, frequency_step, tolerance_rows
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +36,7 @@ def test_wave_too_short_for_the_mesh_is_refused(seed):
 @pytest.mark.parametrize("wider", [13.0, 19.2])
 def test_wider_band_reuses_the_blocks_of_the_narrow_one(seed, wider):
     narrow, wide = (
-        [content_id(b) for b in StudyPlan(varied(seed, hydro={"omega_max": w})).sweep_blocks] for w in (12.0, wider)
+        [block_id(b) for b in StudyPlan(varied(seed, hydro={"omega_max": w})).sweep_blocks] for w in (12.0, wider)
     )
     assert wide[: len(narrow)] == narrow
     assert len(wide) == 1 + math.ceil(wider / 3.2 - 1e-9)

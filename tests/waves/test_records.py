@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import EXAMPLE, SMALL, SMALL_PLAN, varied
+from conftest import EXAMPLE, SMALL, SMALL_PLAN, run_at, varied
 
 from vsb.engine.waves.kinds import Jonswap, RecordedSea
 from vsb.engine.waves.records import read_record
 from vsb.errors import ConfigError
 from vsb.pipeline.graph import StudyPlan, plan_for
-from vsb.stages.simulate import run_simulate
 from vsb.study.study import load, parse
 from vsb.tools.files import load as stored
 
@@ -136,7 +135,7 @@ def test_elevation_of_a_run_is_the_record(model, small, tmp_path):
     )  # fmt: skip
     plan, wave = StudyPlan(study), study.waves[0]
     plan.check_waves()
-    run_simulate(plan.simulation("FSB", wave).spec, str(tmp_path / "run.nc"), **small.hydro_files)
+    run_at(plan.simulation("FSB", wave), out=str(tmp_path / "run.nc"), **small.hydro_files)
     run = stored(tmp_path / "run.nc")
     exact = wave.realisation(5.0, 8.0).elevation(run.time.values)
     assert run.elevation.values == pytest.approx(exact, abs=1e-12)

@@ -38,7 +38,7 @@ from vsb.stages import make
 from vsb.study.body import AnyStudy, LocatedBody, is_body, located
 from vsb.study.campaign import check_conversion
 from vsb.study.design import LoadedDesign
-from vsb.study.specs import SimulateSpec
+from vsb.study.specs import Run
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
@@ -211,10 +211,10 @@ class Results:
         pto : Pto, optional
             Another take-off than the one simulated: any law, limit or damping.
         """
-        spec: SimulateSpec = self.plan.simulation(self._design(design), self._wave(wave)).spec
+        run: Run = self.plan.simulation(self._design(design), self._wave(wave)).spec["run"]
         if pto is not None:
-            spec = spec.with_take_off(pto)
-        return design_in_sea(spec, dict(self.plan.hydro_files))
+            run = run.model_copy(update={"study": run.study.model_copy(update={"pto": pto})})
+        return design_in_sea(run, dict(self.plan.hydro_files))
 
     def optimum(
         self, design: str, wave: str | None = None, force_limit: float = np.inf, stroke_limit: float = np.inf

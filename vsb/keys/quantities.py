@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import PurePath
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, ClassVar, Self, cast
 
 from pydantic import (
     AfterValidator,
@@ -21,6 +21,7 @@ from pydantic import (
     Field,
     GetJsonSchemaHandler,
     SerializerFunctionWrapHandler,
+    TypeAdapter,
     ValidationError,
     WithJsonSchema,
     model_serializer,
@@ -104,6 +105,34 @@ class Section(BaseModel, metaclass=_Reported):
         if own and not getattr(cls, "__abstractmethods__", None):
             describe(cls.__name__, own)
 
+    def only(self, *names: str, **changed: Any) -> Self:
+        """Return a part of a section: these keys alone, and some changed. Reading another raises `AttributeError`."""
+        return self._of_keys({name: getattr(self, name) for name in names} | changed)
+
+    @classmethod
+    def part(cls, raw: Mapping[str, Any], **within: "type[Section]") -> Self:
+        """Return a part of a section from its JSON, by name the sections in it that are parts as well."""
+        known: dict[str, Any] = dict(_defaults(cls)) if issubclass(cls, Brief) else {}
+        for name, value in raw.items():
+            if name not in cls.model_fields:
+                raise ValueError(f"{name}: unknown key")
+            known[name] = within[name].part(value) if name in within else _adapter(cls, name).validate_python(value)
+        return cls._of_keys(known)
+
+    @classmethod
+    def _of_keys(cls, known: dict[str, Any]) -> Self:
+        """Make one of keys that were checked."""
+        made = cls.model_construct({*known})
+        made.__dict__.clear()
+        made.__dict__.update(known)
+        return made
+
+
+@cache
+def _adapter(section: type[Section], name: str) -> TypeAdapter[Any]:
+    """What checks the value of one key."""
+    return TypeAdapter(section.model_fields[name].rebuild_annotation())
+
 
 class Brief(Section):
     """A section that leaves keys out of its JSON while they have their defaults: those of `BRIEF`, or all.
@@ -116,7 +145,7 @@ class Brief(Section):
     @model_serializer(mode="wrap")
     def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         said: dict[str, Any] = dump(self)
-        absent = {name for name, default in _defaults(type(self)) if getattr(self, name) == default}
+        absent = {name for name, default in _defaults(type(self)) if name in said and getattr(self, name) == default}
         return {key: value for key, value in said.items() if key not in absent}
 
 

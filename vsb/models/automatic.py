@@ -28,7 +28,7 @@ from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.rest import design_motions, motions_to_degree
-from vsb.study.specs import Designed
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
 RIGID = -1
@@ -87,7 +87,7 @@ class Choice:
         return INTERPLAY * sum(item.error for item in self.left_out)
 
 
-def motion_ladder(study: Designed, basis: ModeBasis, design: str) -> dict[int, FloatArray]:
+def motion_ladder(study: Study, basis: ModeBasis, design: str) -> dict[int, FloatArray]:
     """Return the motions of a design, shape (dof, free), by the highest degree of the shell modes they use.
 
     `RIGID` is always among them; degrees at which clamps leave no mode free are not.

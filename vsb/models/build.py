@@ -39,8 +39,10 @@ from vsb.models.floating_system import (
 from vsb.models.rest import design_motions, mooring_rows, order_bases, rubber_shell, study_basis
 from vsb.models.stationary import controlled
 from vsb.models.take_off import dragged, dragged_port, linearised, tuned_take_off, with_drag, with_take_off
+from vsb.study.body import BodyStudy
 from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
+from vsb.study.specs import Run
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
@@ -290,7 +292,7 @@ class DesignInSea(NamedTuple):
         return System.of(self.scene)
 
 
-def design_in_sea(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def design_in_sea(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a run by what floats and its hydrodynamic model, and what goes with it.
 
     Parameters
@@ -298,7 +300,7 @@ def design_in_sea(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     paths : mapping of option to path
         `database` and `radiation`, where the model has them.
     """
-    return SCENES[run.hydro.model if run.hydro else "body"](run, paths)
+    return SCENES[run.study.buoy.hydro.model if run.study.buoy else "body"](run, paths)
 
 
 def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
@@ -307,31 +309,31 @@ def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
     return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
 
 
-def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def linear_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
     scene, notes = _tuned_in_time(_linear(run, at), run, at)
-    return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "linear"})
+    return at.with_scene(with_drag(scene, _buoy_of(run), run.study.waves[0], at.sea), notes, {"model": "linear"})
 
 
-def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def body_exact_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(run, paths)
-    rubber = rubber_shell(_buoy_of(run)[0], at.shape.basis)
+    rubber = rubber_shell(_buoy_of(run), at.shape.basis)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions, rubber)
-    scene, notes = _tuned_in_time(with_take_off(scene, run.pto, at.buoy.pto), run, at)
-    return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "body_exact"})
+    scene, notes = _tuned_in_time(with_take_off(scene, run.study.pto, at.buoy.pto), run, at)
+    return at.with_scene(with_drag(scene, _buoy_of(run), run.study.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
-def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def automatic_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the run."""
     begun = clock.perf_counter()
     at = _from_bem(run, paths)
-    (design,), (buoy, hydro) = run.designs, _buoy_of(run)
+    (design,), buoy = run.study.designs, _buoy_of(run)
     ladder = automatic.motion_ladder(buoy, at.shape.basis, design)
     rubber = rubber_shell(buoy, at.shape.basis)
-    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.simulation, rubber)
-    choice = automatic.chosen(scenes, hydro.power_tolerance or POWER_TOLERANCE)
+    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.study.simulation, rubber)
+    choice = automatic.chosen(scenes, buoy.hydro.power_tolerance or POWER_TOLERANCE)
     return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 
 
@@ -355,36 +357,36 @@ class _FromBem(NamedTuple):
         return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said, self.held, self.orders)
 
 
-def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
+def _linear(run: Run, at: _FromBem) -> Scene:
     """The linear scene with the take-off of a run."""
-    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), run.pto, at.buoy.pto)
+    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), run.study.pto, at.buoy.pto)
 
 
-def _tuned_in_time(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
+def _tuned_in_time(scene: Scene, run: Run, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
     """A scene with the latching time or causal controller that maximises mean power, if its law has one; metadata.
 
     A damper tuned to its sea is found together with the latching time by linear hydrodynamics; where the water's force
     is not linear the time is refined on the scene itself.
     """
-    if run.pto.law == "causal" and scene.law:
-        (design,) = run.designs
-        return controlled(scene, at.floating, design, run.pto, *at.spectral)
-    if not (run.pto.has_latching_time and scene.law):  # or nothing there moves
+    if run.study.pto.law == "causal" and scene.law:
+        (design,) = run.study.designs
+        return controlled(scene, at.floating, design, run.study.pto, *at.spectral)
+    if not (run.study.pto.has_latching_time and scene.law):  # or nothing there moves
         return scene, {}
     damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
     if scene.water is not None and at.sea.omega.size:
         notes |= {"linear_latching_time": best.time, "latching_time_searched": NEAR * longest_time(at.sea)}
         latched = with_latching_time(scene, best.time, damper)
-        best = body_exact_latching_time(latched, best, at.sea, run.simulation)
+        best = body_exact_latching_time(latched, best, at.sea, run.study.simulation)
     return with_latching_time(scene, best.time, damper), notes | _noted(best)
 
 
 def _latched(
-    linear: Scene, run: SimulateSpec, sea: Sea, floating: LinearSystem, motions: FloatArray
+    linear: Scene, run: Run, sea: Sea, floating: LinearSystem, motions: FloatArray
 ) -> tuple[float, LatchingTime, dict[str, float]]:
     """Damper [N s/m] and latching time in a linear scene; a damper tuned to its sea is found with it, and recorded."""
-    if run.pto.tuning != "each":
-        return float(floating.pto.damping), linear_latching_time(linear, sea, run.simulation), {}
+    if run.study.pto.tuning != "each":
+        return float(floating.pto.damping), linear_latching_time(linear, sea, run.study.simulation), {}
     # Latching takes the reactance away: what is left to match is the resistance, or a little more. Dampers are tried
     # from the resistance of the port at the strongest wave up to the best one alone.
     alone, direction = float(floating.pto.damping), floating.pto.direction(len(motions))
@@ -392,7 +394,7 @@ def _latched(
     least = max(float(impedance.real[0]), LIGHTEST * alone)
     tried = [float(damping) for damping in np.geomspace(min(least, alone), max(least, alone), 3)]
     damper, best = _searched(
-        lambda power: best_damper_and_time(power, tried, longest_time(sea)), linear, sea, run.simulation
+        lambda power: best_damper_and_time(power, tried, longest_time(sea)), linear, sea, run.study.simulation
     )
     return damper, best, {TUNED: damper}
 
@@ -402,21 +404,22 @@ def _noted(best: LatchingTime) -> dict[str, float]:
     return {"latching_time": best.time, "latching_power": best.power, "latching_time_within": best.within}
 
 
-def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
+def _from_bem(run: Run, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
-    (design,), (wave,), (system, hydro) = run.designs, run.waves, _buoy_of(run)
+    system = _buoy_of(run)
+    (design,), (wave,) = system.designs, system.waves
     floating = floating_system(system, paths["database"])
     model = radiation_model(paths["radiation"], floating.linear.labels)
     shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
     orders = order_bases(system, shape.basis)
-    waves, spectral = study_sea(run, wave, ds), expected_sea(run, wave, ds)
-    others = [(w, expected_sea(run, w, ds)) for w in run.seas]
+    waves, spectral = study_sea(system, wave, ds), expected_sea(system, wave, ds)
+    others = [(w, expected_sea(system, w, ds)) for w in run.seas]
     port = partial(dragged_port, system) if system.plates else None
-    pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], port)
-    notes = tuned_notes(run.pto, pto)
+    pto = tuned_take_off(run.study.pto, design, floating, others or [(wave, spectral)], port)
+    notes = tuned_notes(run.study.pto, pto)
     notes |= linearised(system, floating, design, pto, wave, spectral)
     buoy = replace(floating.towards(heading_in(wave, waves)), pto=pto)
-    if hydro.model == "linear":
+    if system.hydro.model == "linear":
         linear, loaded = floating.linear, floating.port.reshape(len(motions), -1)
         if system.plates:
             loaded = np.column_stack([loaded, dragged(system.plates, linear.labels).T])
@@ -438,30 +441,31 @@ def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:
     return {TUNED: float(np.asarray(linear.damping).ravel()[0])}
 
 
-def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def body_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
-    (design,), (wave,), system = run.designs, run.waves, run.system
-    assert isinstance(system, BodySystem)
+    system = run.study
+    assert isinstance(system, BodyStudy)
+    (design,), (wave,) = system.designs, system.waves
     floating = floating_system(system, paths["database"])
     body = floating.linear
-    waves = study_sea(run, wave, body.database)
-    tuned_in = [(one, expected_sea(run, one, body.database)) for one in run.seas or (wave,)]
+    waves = study_sea(system, wave, body.database)
+    tuned_in = [(one, expected_sea(system, one, body.database)) for one in run.seas or (wave,)]
     dragged = partial(dragged_port, system) if system.plates else None
-    pto = tuned_take_off(run.pto, design, floating, tuned_in, dragged)
-    notes = {"model": "linear"} | tuned_notes(run.pto, pto)
-    notes |= linearised(system, floating, design, pto, wave, expected_sea(run, wave, body.database))
+    pto = tuned_take_off(run.study.pto, design, floating, tuned_in, dragged)
+    notes = {"model": "linear"} | tuned_notes(run.study.pto, pto)
+    notes |= linearised(system, floating, design, pto, wave, expected_sea(system, wave, body.database))
     motions = floating.motions[design]
     equipped = replace(floating.towards(heading(wave)), pto=pto)
     memory = body_memory(paths["radiation"])
     check_followed(memory, waves, wave.label)
     scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)
-    scene = with_drag(with_take_off(scene, run.pto, pto), system, wave, waves)
-    if run.pto.has_latching_time and scene.law:
+    scene = with_drag(with_take_off(scene, run.study.pto, pto), system, wave, waves)
+    if run.study.pto.has_latching_time and scene.law:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)
         scene = with_latching_time(scene, best.time, damper)
         notes |= tuned | _noted(best)
-    if run.pto.law == "causal" and scene.law:
-        scene, own = controlled(scene, floating, design, run.pto, wave, expected_sea(run, wave, body.database))
+    if run.study.pto.law == "causal" and scene.law:
+        scene, own = controlled(scene, floating, design, run.study.pto, wave, expected_sea(system, wave, body.database))
         notes |= own
     held = held_rows(system.designs[design], scene.labels)
     return DesignInSea(scene, None, waves, body.spectrum, notes, held, port=floating.port)
@@ -489,13 +493,14 @@ def body_memory(path: str) -> Memory:
     return Memory(model, ds.added_mass_inf.values, float(ds.attrs.get("up_to", np.inf)))
 
 
-def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea:
+def assumed_pressure_design(run: Run, _: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
-    (design,), (wave,), (buoy, hydro), pto = run.designs, run.waves, _buoy_of(run), run.pto
+    buoy = _buoy_of(run)
+    (design,), (wave,), pto = buoy.designs, buoy.waves, buoy.pto
     basis = study_basis(buoy)
     omega = wave.omega if wave.regular else 0.0
-    load = AssumedPressure(hydro.pressure or 0.0 if omega else 0.0, omega)
-    shell, water = DeformedShell(basis, buoy.centre_height, np.zeros(len(basis.labels))), run.water
+    load = AssumedPressure(buoy.hydro.pressure or 0.0 if omega else 0.0, omega)
+    shell, water = DeformedShell(basis, buoy.centre_height, np.zeros(len(basis.labels))), buoy.water
     motions, take_off = design_motions(buoy, basis, design), LinearPto(pto.damper(design) or 0.0, pto.stiffness)
     scene = assumed_pressure_scene(shell, take_off, load, water.density, water.gravity, motions)
     scene, held = with_take_off(scene, pto, take_off), all_clamp_rows(buoy.designs[design].clamp, basis, ())
@@ -512,8 +517,7 @@ SCENES = {
 """Hydrodynamic model of a buoy, or a body -> the scene of one design in one sea."""
 
 
-def _buoy_of(run: SimulateSpec) -> tuple[BuoySystem, Dynamics]:
-    """The buoy of a run and its hydrodynamic model."""
-    assert run.buoy is not None
-    assert run.hydro is not None
-    return run.buoy, run.hydro
+def _buoy_of(run: Run) -> Study:
+    """The study of a buoy's run."""
+    assert run.study.buoy is not None
+    return run.study.buoy

@@ -53,16 +53,9 @@ from vsb.models.rest import (
     whole_stiffness,
     with_rings,
 )
-from vsb.study.body import BodyDesign, BodyStudy
-from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
+from vsb.study.body import AnyStudy, BodyDesign, BodyStudy
 from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-
-AnyBody = BodyStudy | BodySystem
-"""A body with its designs and take-off."""
-InSeas = Study | BodyStudy | LadderSpec | SimulateSpec
-"""What has seas and how long they last."""
-
 
 Heading = float | Directions
 """A direction [degrees], or one for every frequency."""
@@ -200,30 +193,27 @@ class FloatingSystem:
         return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
 
-def floating_system(
-    study: AnyBuoy | AnyBody | SystemSpec, database_path: str, highest: int = HIGHEST
-) -> FloatingSystem:
-    """Return what floats in a study, or in the specification of a stage, from its database.
+def floating_system(study: AnyStudy, database_path: str, highest: int = HIGHEST) -> FloatingSystem:
+    """Return what floats in a study from its database.
 
     Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`.
     """
-    system = study.system if isinstance(study, SystemSpec) else study
-    if isinstance(system, BodyStudy | BodySystem):
-        return floating_body(system, stored_body(database_path))
+    if isinstance(study, BodyStudy):
+        return floating_body(study, stored_body(database_path))
     # the buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
-    modes = system.modes
-    basis = mode_basis(system.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(system.device)
-    shape = DeformedShell(basis, system.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
-    ds, shape = stored_with_rings(system, ds, shape, highest)
+    modes = study.modes
+    basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
+    shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
+    ds, shape = stored_with_rings(study, ds, shape, highest)
     basis = shape.basis
-    orders = order_bases(system, basis)
-    port = port_direction(system.pto.port, shape, orders)
-    damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), system.device.damping.maxwell
+    orders = order_bases(study, basis)
+    port = port_direction(study.pto.port, shape, orders)
+    damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell
     buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())
-    motions = {design: design_motions(system, basis, design) for design in system.designs}
-    linear = with_open_chamber(buoy, port) if system.opens_chamber else buoy
+    motions = {design: design_motions(study, basis, design) for design in study.designs}
+    linear = with_open_chamber(buoy, port) if study.opens_chamber else buoy
     return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape)
 
 
@@ -236,7 +226,7 @@ def stored_body(database_path: str) -> LinearSystem:
     return LinearSystem(ds, np.asarray(ds.structural_damping_matrix.values), axisymmetric=False)
 
 
-def floating_body(study: AnyBody, body: LinearSystem) -> FloatingSystem:
+def floating_body(study: BodyStudy, body: LinearSystem) -> FloatingSystem:
     """Return what a study lets float of a body; its take-off is on heave if it says nothing else."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
     port = study.pto.port
@@ -280,7 +270,7 @@ def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatA
 # seas ---------------------------------------------------------------------------------------------------------------
 
 
-def band(study: InSeas, ds: xr.Dataset | None) -> tuple[float, float]:
+def band(study: AnyStudy, ds: xr.Dataset | None) -> tuple[float, float]:
     """Return the band the components of a sea lie in [rad/s]: of a body what its database holds."""
     if (known := study.band) is not None:
         return known
@@ -288,7 +278,7 @@ def band(study: InSeas, ds: xr.Dataset | None) -> tuple[float, float]:
     return float(ds.omega[0]), float(ds.omega[-1])
 
 
-def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
+def study_sea(study: AnyStudy, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea of a study, what of it lies in the band of a database.
 
     Of a spectrum next to nothing lies below the first frequency of a buoy's database, of what a file holds there may.
@@ -296,7 +286,7 @@ def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     return _within_band(study, wave, ds, study.simulation.duration)
 
 
-def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
+def _within_band(study: AnyStudy, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
     """A sea of components that do not repeat within a duration [s], what of it lies in the band of a database."""
     lowest, highest = band(study, ds)
     lowest = float(ds.omega[0]) if wave.of_file else lowest
@@ -305,7 +295,7 @@ def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> 
     return found if kept.all() else found.part(kept)
 
 
-def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
+def expected_sea(study: AnyStudy, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea whose components carry its spectrum: mean powers in it are expectations, whatever is simulated.
 
     Bands are narrower than any resonance that matters, and those of neighbouring seas are the same. A record of
@@ -534,18 +524,18 @@ class BuoyOfShape:
         return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
 
 
-def kept_buoy(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
+def kept_buoy(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
     """Return the same as `buoy_at`, kept for studies that differ by what their take-off does alone."""
     parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
     return water.buoy_of(" ".join(parts), lambda: buoy_at(study, reference, water))
 
 
-def buoy_at(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:
+def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:
     """Return the buoy of a study at the frequencies of the coefficients of its shape.
 
     Parameters
     ----------
-    study : Study or BuoySystem
+    study : Study
     reference : ReferenceShell
     water : ShapeWater
     degree : int, optional

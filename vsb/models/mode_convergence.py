@@ -34,7 +34,7 @@ from vsb.models.rest import loaded_at_ring, order_bases, reference_shell, with_r
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.study.resolution import bending_degree, degree_needed
 from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
-from vsb.study.specs import AnyBuoy
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
 FINER = (2.0, 1.5, 1.25)
@@ -149,7 +149,7 @@ class ModeConvergence:
     Powers have the dimensions (design, sea, take-off) [W], take-offs as of `take_offs`.
     """
 
-    study: AnyBuoy
+    study: Study
     seas: Sequence[Sea]
     families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
     judged: bool = False  # only the take-offs whose powers are judged
@@ -166,7 +166,7 @@ class ModeConvergence:
             return sampled([replace(one, heading=None) for one in self.seas])
         return sampled(self.seas)
 
-    def _with(self, modes: Modes) -> AnyBuoy:
+    def _with(self, modes: Modes) -> Study:
         """The study with another basis, in the directions its port follows."""
         order = self.study.modes.order if isinstance(self.study.pto.port, BetweenPort | DofPort) else 1
         modes = modes.model_copy(update={"order": order})
@@ -257,7 +257,7 @@ class ModeConvergence:
         meridional = deformed or self.study.device.shape is not None
         return self._solved(shape, max(1, degree), SOLVED_EACH if deformed else SOLVED, meridional=meridional)
 
-    def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
+    def _ports(self, study: Study, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.
 
         By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
@@ -361,7 +361,7 @@ def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, toget
     return [fixed, optimal, diagonal, for_all]
 
 
-def motion_of_port(study: AnyBuoy) -> Motion:
+def motion_of_port(study: Study) -> Motion:
     """Return in which directions a buoy must move for the power of its port to be known, as few as may be.
 
     Azimuthal orders couple through the mooring alone, and ports of heave, of rings or of strain of the shell move with
@@ -381,7 +381,7 @@ def motion_of_port(study: AnyBuoy) -> Motion:
     return "free" if out_of_plane else "planar"
 
 
-def _couples(study: AnyBuoy, those: Sequence[int]) -> bool:
+def _couples(study: Study, those: Sequence[int]) -> bool:
     """Whether the mooring couples some rigid motions with others."""
     rows = study.mooring or ()
     return any(entry for i in those for j, entry in enumerate(rows[i] if rows else ()) if j not in those)
@@ -425,7 +425,7 @@ def by_all_modes(
     return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
 
 
-def reach_of_modes(study: AnyBuoy, design: str, degree: int) -> float:
+def reach_of_modes(study: Study, design: str, degree: int) -> float:
     """Return what degrees beyond one may change, in terms of the change from half of it, where modes stand alone [-].
 
     Errors fall like 1/degree or faster, but where a load acts at a ring of the shell. There each degree yields about as

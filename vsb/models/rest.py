@@ -49,31 +49,27 @@ from vsb.engine.shell.shell import Shell
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.study.sections import RIGID
-from vsb.study.specs import AnyBuoy, AtRest, Designed, ModesSpec, RestSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
-
-Moving = AnyBuoy | RestSpec
-"""What says in which directions a buoy moves."""
 
 # degrees of freedom -------------------------------------------------------------------------------------------------
 
 
-def study_basis(study: AtRest) -> ModeBasis:
+def study_basis(study: Study) -> ModeBasis:
     """Return the union of the axisymmetric modes of all designs of a study."""
-    if not study.flexible or study.modes is None:
+    if not study.flexible:
         return rigid_basis(study.device)
     return mode_basis(study.device, study.modes.basis, study.modes.max_degree)
 
 
-def order_bases(study: Moving, basis: ModeBasis) -> tuple[OrderBasis, ...]:
+def order_bases(study: Study, basis: ModeBasis) -> tuple[OrderBasis, ...]:
     """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone.
 
     A buoy that is free has each order twice, to both sides, and yaw.
     """
     if study.motion == "heave":
         return ()
-    ballast, highest = ballast_of(study.device), study.modes.order if basis.modes and study.modes else 1
+    ballast, highest = ballast_of(study.device), study.modes.order if basis.modes else 1
     even = [order_basis(basis, order, ballast) for order in range(1, highest + 1)]
     if study.motion == "planar":
         return tuple(even)
@@ -85,13 +81,13 @@ def side_by_side(own: FloatArray, *others: FloatArray) -> FloatArray:
     return np.asarray(block_diag(own, *others)) if others else own
 
 
-def whole_labels(study: Moving, reference: ReferenceShell) -> tuple[str, ...]:
+def whole_labels(study: Study, reference: ReferenceShell) -> tuple[str, ...]:
     """Return the names of the degrees of freedom of all orders, axisymmetric ones first."""
     others = (label for basis in order_bases(study, reference.basis) for label in basis.labels)
     return (*reference.basis.labels, *others)
 
 
-def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
+def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
     """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
 
     Likewise of the other azimuthal orders, where the buoy moves in more directions; less what the mooring holds. Raises
@@ -115,18 +111,17 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
     return side_by_side(free, *others)
 
 
-def loaded_at_ring(study: Designed, design: str) -> bool:
+def loaded_at_ring(study: Study, design: str) -> bool:
     """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
     if study.designs[design].clamp:
         return True
-    held = None if isinstance(study, ModesSpec) else study.pto.held
-    on_shell = not isinstance(study, ModesSpec) and study.pto.on_shell
-    return bool(on_shell or (held and held.place == "ring"))
+    held = study.pto.held
+    return bool(study.pto.on_shell or (held and held.place == "ring"))
 
 
-def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
+def mooring_rows(study: Study, basis: ModeBasis) -> FloatArray:
     """Return what `pto.held` holds at zero of heave and axisymmetric modes, Phi q = 0, shape (constraint, dof) [-]."""
-    held = None if isinstance(study, ModesSpec) else study.pto.held
+    held = study.pto.held
     if held is None:
         return np.zeros((0, len(basis.labels)))
     if held.place == "heave":
@@ -136,7 +131,7 @@ def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
     return np.asarray((radial * np.cos(at) - meridional * np.sin(at)).T)
 
 
-def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:
+def motions_to_degree(study: Study, basis: ModeBasis, design: str, degree: int) -> FloatArray:
     """Return the motions a heaving design has with the shell modes to a degree, in a basis of more, (dof, free) [-].
 
     Raises `ConfigError` if the clamps leave none of those modes free.
@@ -151,24 +146,24 @@ def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: in
 # the loaded shell ---------------------------------------------------------------------------------------------------
 
 
-def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
+def loaded_shell(study: Study, basis: ModeBasis) -> LoadedShell:
     """Return the shell of a study under weight, water and internal pressure."""
     device, water = study.device, study.water
     elastic = ElasticShell(basis)
     return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
 
 
-def rubber_shell(study: AtRest, basis: ModeBasis) -> LoadedShell | None:
+def rubber_shell(study: Study, basis: ModeBasis) -> LoadedShell | None:
     """Return the same of a flexible shell of rubber; None of another, whose forces about its rest are linear."""
     return loaded_shell(study, basis) if basis.shell.rubber and basis.modes else None
 
 
-def complete_loaded_shell(study: AtRest) -> LoadedShell:
+def complete_loaded_shell(study: Study) -> LoadedShell:
     """Return the same in a basis that resolves buckling, whatever the modes of the study."""
     return complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
 
 
-def computed_buckling(study: AtRest) -> Buckling:
+def computed_buckling(study: Study) -> Buckling:
     """Return the linear buckling of the loaded shell in a basis that resolves it; of the sphere's the axisymmetric."""
     loaded = complete_loaded_shell(study)
     return buckling(loaded) if loaded.basis.shell.rest is None else with_lobes(loaded)
@@ -189,7 +184,7 @@ def _at_rest(loaded: LoadedShell, complete: LoadedShell | None = None) -> FloatA
     return q
 
 
-def complete_at_rest(study: AtRest) -> tuple[LoadedShell, FloatArray]:
+def complete_at_rest(study: Study) -> tuple[LoadedShell, FloatArray]:
     """Return the loaded shell in a basis that resolves its buckling, and its equilibrium, shape (dof,) [m].
 
     Raises `ConvergenceError` if the growing load does not lead it to a stable rest shape.
@@ -198,7 +193,7 @@ def complete_at_rest(study: AtRest) -> tuple[LoadedShell, FloatArray]:
     return loaded, _at_rest(loaded)
 
 
-def carries_load(study: AtRest) -> bool:
+def carries_load(study: Study) -> bool:
     """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
     try:
         complete_at_rest(study)
@@ -207,7 +202,7 @@ def carries_load(study: AtRest) -> bool:
     return True
 
 
-def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:
+def reference_shell(study: Study, basis: ModeBasis | None = None) -> ReferenceShell:
     """Return the shell a study is linearised about.
 
     Raises `ConfigError` if `reference_shape: equilibrium` is asked for and the shell buckles before it carries its
@@ -240,7 +235,7 @@ class _Resting:
     centre_height: float
     at_equilibrium: bool
     flexible: bool
-    study: AtRest = field(compare=False)
+    study: Study = field(compare=False)
 
 
 @lru_cache(maxsize=8)
@@ -260,7 +255,7 @@ def _reference_shell(one: _Resting) -> ReferenceShell:
     return ReferenceShell(DeformedShell(basis, study.centre_height, q), stiffness_about(study, loaded, q))
 
 
-def stiffness_about(study: AtRest, loaded: LoadedShell, q: FloatArray) -> dict[str, FloatArray]:
+def stiffness_about(study: Study, loaded: LoadedShell, q: FloatArray) -> dict[str, FloatArray]:
     """Return the stiffness of a study's shell about a shape at rest, by the names of `reference_shell`, (dof, dof)."""
     basis = loaded.basis
     stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
@@ -275,7 +270,7 @@ def stiffness_about(study: AtRest, loaded: LoadedShell, q: FloatArray) -> dict[s
     return {name: (k + k.T) / 2 for name, k in stiffness.items()}
 
 
-def seen_by_take_off(study: AnyBuoy, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
+def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
     """Return the shell at rest as the port finds it, and the compliance of the chamber before the take-off [m^3/Pa].
 
     Gas that a take-off of the volume lets out is in series with it, and no longer holds the shell.
@@ -290,7 +285,7 @@ def seen_by_take_off(study: AnyBuoy, reference: ReferenceShell) -> tuple[Referen
 # stiffness of all directions ----------------------------------------------------------------------------------------
 
 
-def order_stiffness(study: Moving, basis: OrderBasis, reference: ReferenceShell) -> dict[str, FloatArray]:
+def order_stiffness(study: Study, basis: OrderBasis, reference: ReferenceShell) -> dict[str, FloatArray]:
     """Return the stiffness of one order about the undeformed sphere, by the names of `reference_shell`.
 
     Trapped gas has none: no shape that varies around the axis changes the volume in proportion to its amplitude.
@@ -304,7 +299,7 @@ def order_stiffness(study: Moving, basis: OrderBasis, reference: ReferenceShell)
     return found | ({"gas": np.zeros_like(still)} if "gas" in reference.stiffness else {})
 
 
-def mooring_stiffness(study: Moving, labels: tuple[str, ...]) -> dict[str, FloatArray]:
+def mooring_stiffness(study: Study, labels: tuple[str, ...]) -> dict[str, FloatArray]:
     """Return the stiffness of the mooring over labelled degrees of freedom, by its name; empty without one."""
     if study.mooring is None:
         return {}
@@ -312,14 +307,14 @@ def mooring_stiffness(study: Moving, labels: tuple[str, ...]) -> dict[str, Float
     return {"mooring": among @ np.array(study.mooring) @ among.T}
 
 
-def whole_stiffness(study: Moving, reference: ReferenceShell) -> FloatArray:
+def whole_stiffness(study: Study, reference: ReferenceShell) -> FloatArray:
     """Return the sum of all stiffness over the degrees of freedom of all orders, shape (dof, dof) [N/m]."""
     orders = (order_stiffness(study, basis, reference) for basis in order_bases(study, reference.basis))
     whole = side_by_side(reference.total, *(np.sum(list(parts.values()), axis=0) for parts in orders))
     return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
 
 
-def viscous_parts(study: Moving, reference: ReferenceShell, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+def viscous_parts(study: Study, reference: ReferenceShell, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return damping [N s/m] and added stiffness [N/m] of the material's Maxwell branches, each (omega, dof, dof)."""
     orders = (basis.stiffness for basis in order_bases(study, reference.basis))
     own, branches = side_by_side(reference.stiffness["structural"], *orders), study.device.damping.maxwell
@@ -327,9 +322,7 @@ def viscous_parts(study: Moving, reference: ReferenceShell, omega: FloatArray) -
     return damping, stiffness
 
 
-def design_stiffness(
-    study: Designed, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0
-) -> float:
+def design_stiffness(study: Study, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0) -> float:
     """Return the least stiffness of a design about the reference shape [N/m]; one that rests stably has more than 0.
 
     Only of what is held at all: surge without a mooring may drift. `beside` is that of springs of the take-off, shape
@@ -343,7 +336,7 @@ def design_stiffness(
 # checks -------------------------------------------------------------------------------------------------------------
 
 
-def _rigid_stiffness(study: Moving, reference: ReferenceShell) -> tuple[list[str], FloatArray]:
+def _rigid_stiffness(study: Study, reference: ReferenceShell) -> tuple[list[str], FloatArray]:
     """Rigid motions a buoy has, and their stiffness."""
     labels = whole_labels(study, reference)
     names: list[str] = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
@@ -351,7 +344,7 @@ def _rigid_stiffness(study: Moving, reference: ReferenceShell) -> tuple[list[str
     return names, whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
 
 
-def check_upright(study: Moving, reference: ReferenceShell) -> None:
+def check_upright(study: Study, reference: ReferenceShell) -> None:
     """Check that the buoy as a rigid body does not fall over; raises `ConfigError`."""
     names, stiffness = _rigid_stiffness(study, reference)
     tilts = {name: float(stiffness[i, i]) for i, name in enumerate(names) if name in ("Pitch", "Roll")}
@@ -364,7 +357,7 @@ def check_upright(study: Moving, reference: ReferenceShell) -> None:
         )
 
 
-def check_moored(study: Moving, reference: ReferenceShell) -> None:
+def check_moored(study: Study, reference: ReferenceShell) -> None:
     """Check that the mooring does not drive the buoy as a rigid body out of its rest; what nothing holds may drift.
 
     Raises `ConfigError`.
@@ -379,7 +372,7 @@ def check_moored(study: Moving, reference: ReferenceShell) -> None:
         )
 
 
-def check_stable(study: Designed, reference: ReferenceShell) -> None:
+def check_stable(study: Study, reference: ReferenceShell) -> None:
     """Check that every design rests stably about the reference shape: else a linear model of it grows without bound.
 
     Raises `ConfigError`.
@@ -452,7 +445,7 @@ BESIDE_POLE = 1e-6
 Load = RingLoad | BeltLoad
 
 
-def ring_loads(study: AnyBuoy) -> tuple[Load, ...]:
+def ring_loads(study: Study) -> tuple[Load, ...]:
     """Return the loads at rings of all designs, mooring and take-off, each once."""
     found: list[Load] = []
     for angle in _clamps(study):
@@ -464,7 +457,7 @@ def ring_loads(study: AnyBuoy) -> tuple[Load, ...]:
     return tuple(dict.fromkeys(load for load in found if load.moves))
 
 
-def _clamps(study: AnyBuoy) -> list[float]:
+def _clamps(study: Study) -> list[float]:
     """Colatitudes of the clamps of all designs [rad]."""
     return [float(np.deg2rad(at)) for at in sorted({at for one in study.designs.values() for at in one.clamp})]
 
@@ -482,7 +475,7 @@ def _of_port(port: PortChoice) -> list[Load]:
     return [normal_to_wall(angle) if port.direction == "radial" else vertical(angle)]
 
 
-def has_attachment_modes(study: AnyBuoy) -> bool:
+def has_attachment_modes(study: Study) -> bool:
     """Return whether all degrees of a study's shell answer its loads at rings: those with both branches of modes.
 
     Of modes one asks for by name those of the basis do.
@@ -491,7 +484,7 @@ def has_attachment_modes(study: AnyBuoy) -> bool:
 
 
 def with_rings(
-    study: AnyBuoy, reference: ReferenceShell, degree: int | None = None, highest: int = HIGHEST
+    study: Study, reference: ReferenceShell, degree: int | None = None, highest: int = HIGHEST
 ) -> ReferenceShell:
     """Return a shell at rest with the modes of the rings that a study loads.
 
@@ -544,7 +537,7 @@ def attachment_modes(
     return modes(shell, degree, loads, tension, highest)
 
 
-def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[Load, ...]) -> tuple[float, ...]:
+def _tension(study: Study, reference: ReferenceShell, loads: tuple[Load, ...]) -> tuple[float, ...]:
     """Membrane force along the meridian at rings [N/m]; none of a shell linearised without its load."""
     if "prestress" not in reference.stiffness:
         return (0.0,) * len(loads)
@@ -569,7 +562,7 @@ class Stored(NamedTuple):
     shape: DeformedShell
 
 
-def stored_with_rings(study: AnyBuoy, database: xr.Dataset, shape: DeformedShell, highest: int = HIGHEST) -> Stored:
+def stored_with_rings(study: Study, database: xr.Dataset, shape: DeformedShell, highest: int = HIGHEST) -> Stored:
     """Return the database and the shape of a study with the modes of the rings that it loads; they move no water."""
     names = [name for name in ("structural", "prestress") if f"{name}_stiffness" in database]
     none = dict.fromkeys(names, np.zeros((len(shape.basis.labels),) * 2))

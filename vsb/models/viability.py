@@ -18,7 +18,7 @@ from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.keys.quantities import canonical
-from vsb.models.floating_system import AnyBody, FloatingSystem
+from vsb.models.floating_system import FloatingSystem
 from vsb.models.rest import (
     carries_load,
     check_rests,
@@ -31,8 +31,7 @@ from vsb.models.rest import (
     reference_shell,
     seen_by_take_off,
 )
-from vsb.study.body import BodyStudy
-from vsb.study.specs import BodySystem
+from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.words import plain
@@ -52,14 +51,14 @@ OVERLOADED = ("overstrained", "no equilibrium")
 """How reasons begin for which `advice` has an answer: the shell does not carry its load."""
 
 
-Some = TypeVar("Some", Study, BodyStudy | BodySystem, Study | BodyStudy | BodySystem)
+Some = TypeVar("Some", Study, BodyStudy, AnyStudy)
 
 
 @dataclass(frozen=True)
 class Viability:
     """The shell of a buoy at rest, if there is one, how far it is from buckling, and why designs are not viable."""
 
-    study: Study | AnyBody
+    study: AnyStudy
     reference: ReferenceShell | None  # none of a body
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
     reasons: Mapping[str, str]  # of designs that are not viable
@@ -77,7 +76,7 @@ def with_designs(study: Some, designs: Sequence[str]) -> Some:
     return study.model_copy(update={"designs": some})
 
 
-def viability_of_body(study: AnyBody, floating: FloatingSystem) -> Viability:
+def viability_of_body(study: BodyStudy, floating: FloatingSystem) -> Viability:
     """Return which designs of a body rest stably beside the spring of the take-off; nothing there buckles."""
     spring, reasons = LinearPto(0.0, study.pto.stiffness, floating.port).spring(len(floating.port)), {}
     for design, motions in floating.motions.items():

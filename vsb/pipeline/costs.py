@@ -14,8 +14,8 @@ from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water
 from vsb.study.campaign import CAUSAL
-from vsb.study.resolution import BlockSpec, degree_needed
-from vsb.study.specs import AnyBuoy, PanelsSpec, VerificationSpec, WitnessSpec
+from vsb.study.resolution import AnyBlock, degree_needed
+from vsb.study.specs import PanelsBlock, VerificationSpec
 from vsb.study.study import BaseStudy, Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
@@ -122,9 +122,9 @@ def memory_doubts(gigabytes: float) -> list[str]:
     ]
 
 
-def block_seconds(block: BlockSpec) -> float:
+def block_seconds(block: AnyBlock) -> float:
     """Return the CPU time of the coefficients of a block of frequencies [s]."""
-    if not isinstance(block, PanelsSpec):
+    if not isinstance(block, PanelsBlock):
         return spectral_seconds(block.water, len(block.displacements))
     return PANEL_ROW2_SECONDS * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
 
@@ -135,17 +135,17 @@ def spectral_seconds(water: Water, displacements: int) -> float:
     return once + each * displacements**2
 
 
-def left_out_seconds(buoy: AnyBuoy) -> float:
+def left_out_seconds(buoy: Study) -> float:
     """Return the CPU time of powers with up to twice as many shell modes, their water left out [s]."""
     return float(LEFT_OUT_SECONDS * _enough(buoy) ** 2)
 
 
-def finer_water_seconds(buoy: AnyBuoy) -> float:
+def finer_water_seconds(buoy: Study) -> float:
     """Return the CPU time of the water around these modes, at the frequencies of a year's mean sea [s]."""
     return spectral_seconds(buoy.water, 2 * _enough(buoy) * (1 if buoy.device.shape is None else 2))
 
 
-def _enough(buoy: AnyBuoy) -> int:
+def _enough(buoy: Study) -> int:
     """Degree of the shell modes with which powers are compared, 0 of a rigid buoy."""
     return max(buoy.modes.max_degree, degree_needed(buoy)) if buoy.flexible else 0
 
@@ -167,9 +167,9 @@ def latching_seconds(study: BaseStudy, wave: Wave, *, flexible: bool) -> float:
     return (each + wet) * (1.0 if wave.regular else study.simulation.duration)
 
 
-def witness_seconds(shapes: int, spec: WitnessSpec) -> float:
+def witness_seconds(shapes: int, rows: int) -> float:
     """Return the CPU time of both solvers on deformed shapes [s]."""
-    return shapes * WITNESS_ROW2_SECONDS * float(spec.meshes.rows) ** 2
+    return shapes * WITNESS_ROW2_SECONDS * float(rows) ** 2
 
 
 def matrices_seconds(file: BodyFile, panels: float) -> float:
@@ -208,7 +208,7 @@ def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave, flexible=shell)
 
 
-def _of_wall(buoy: AnyBuoy, *, flexible: bool) -> float:
+def _of_wall(buoy: Study, *, flexible: bool) -> float:
     """How many times as long a body-exact run of a design takes as one of a sphere of modes to `DEGREE`."""
     degree = buoy.modes.max_degree if flexible else OF_RIGID
     return float((max(degree, OF_RIGID) / DEGREE) ** BY_DEGREE * (OF_SHAPE if buoy.device.shape else 1.0))
@@ -218,12 +218,13 @@ def verification_seconds(spec: VerificationSpec) -> float:
     """Return the CPU time of the seas of a member that are simulated, with the radiation memory they need [s]."""
     controlled = CAUSAL in spec.tuning
     each = (CONTROLLED_SEA_SECONDS if controlled else SEA_SECONDS)[spec.verify.model] * spec.verify.seas
-    designs = float(len(spec.designs))
-    if spec.buoy and spec.verify.model == "body_exact":
-        designs = sum(_of_wall(spec.buoy, flexible=one.flexible) for one in spec.buoy.designs.values())
-    year = CAUSAL_YEAR_SECONDS * len(spec.designs) if controlled else 0.0
+    study = spec.study
+    designs = float(len(study.designs))
+    if study.buoy and spec.verify.model == "body_exact":
+        designs = sum(_of_wall(study.buoy, flexible=one.flexible) for one in study.buoy.designs.values())
+    year = CAUSAL_YEAR_SECONDS * len(study.designs) if controlled else 0.0
     if "each" in spec.tuning:
-        year = matrices_of_year(spec.pto, len(spec.designs))
+        year = matrices_of_year(study.pto, len(study.designs))
     return motions_seconds("radiation", 0) + each * designs + year
 
 

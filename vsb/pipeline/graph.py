@@ -13,29 +13,20 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile, panel_count, solve_resources
 from vsb.engine.hydro.panels import panel_solver
+from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.kinds import Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
-from vsb.study.body import Body, BodyStudy, wamit_files
-from vsb.study.resolution import BlockSpec, HydroPlan, no_witness, witness_spec
+from vsb.study.body import AnyStudy, BodyStudy, wamit_files
+from vsb.study.resolution import AnyBlock, HydroPlan, block_id, no_witness, witness_meshes, witness_omega
+from vsb.study.sections import Hydro
 from vsb.study.specs import (
-    AnySystem,
-    Band,
-    BodySpec,
-    BodySystem,
-    BuoySystem,
-    CompareSpec,
-    DatabaseSpec,
-    DisplaySpec,
-    Dynamics,
-    FrequenciesSpec,
-    LadderSpec,
-    ModesSpec,
-    PanelsSpec,
-    RadiationSpec,
-    ResponseSpec,
-    SimulateSpec,
+    BodySource,
+    DeformedMeshes,
+    PanelsBlock,
+    Run,
+    spec_of,
 )
 from vsb.study.study import BaseStudy, Study
 
@@ -46,19 +37,20 @@ class Stage(NamedTuple):
     rule: str  # of the workflow whose jobs do it
     module: str
     words: str
+    tag: str = ""  # of its version of the physics in `PHYSICS`, if not its own name
 
 
 STAGES = {
-    "modes": Stage("modes", "water", "shell modes"),
-    "display": Stage("meshes", "water", "the shell deformed by each mode"),
+    "modes": Stage("modes", "water", "shell modes", "mesh"),
+    "display": Stage("meshes", "water", "the shell deformed by each mode", "mesh"),
     "green": Stage("green", "panels", "Green-function table of the panels"),
     "mesh": Stage("mesh", "panels", "mean wetted mesh"),
-    "panels": Stage("panels", "panels", "a block of frequencies by panels"),
-    "spectral": Stage("spectral", "water", "all frequencies by the spectral solver"),
-    "deformed": Stage("cross_check", "panels", "meshes of the shell deformed by each mode"),
+    "panels": Stage("panels", "panels", "a block of frequencies by panels", "block"),
+    "spectral": Stage("spectral", "water", "all frequencies by the spectral solver", "block"),
+    "deformed": Stage("cross_check", "panels", "meshes of the shell deformed by each mode", "mesh"),
     "witness": Stage("cross_check", "panels", "panels and spectral solver on the deformed shells"),
-    "frequencies": Stage("frequencies", "coefficients", "frequencies of the body"),
-    "coefficients": Stage("coefficients", "coefficients", "hydro database of the body"),
+    "frequencies": Stage("frequencies", "coefficients", "frequencies of the body", "body"),
+    "coefficients": Stage("coefficients", "coefficients", "hydro database of the body", "body"),
     "database": Stage("database", "water", "hydro database"),
     "radiation": Stage("database", "frequency", "radiation memory"),
     "response": Stage("response", "frequency", "frequency response"),
@@ -70,14 +62,16 @@ STAGES = {
     "members": Stage("members", "members", "points over the year"),
     "verification": Stage("verification", "members", "seas of the year in time"),
     "campaign": Stage("campaign", "campaign", "all points together"),
-    "campaign_report": Stage("campaign", "campaign", "report"),
+    "campaign_report": Stage("campaign", "campaign", "report", "campaign"),
     "design_start": Stage("design_start", "design", "a search from one start"),
     "design_front": Stage("design_front", "design", "the best over the values of a limit"),
     "design_verification": Stage("design_verification", "design_verification", "the best buoys in time"),
     "design_results": Stage("design_results", "design_results", "the best buoys together"),
-    "design_report": Stage("design_results", "design_report", "report"),
+    "design_report": Stage("design_results", "design_results", "report", "design_results"),
 }
 """Stages in the order of the chain; the radiation memory of a body is made with its database."""
+SOLVED_BY = {"solver": panel_solver(), "physics": PHYSICS}
+"""Versions of what solves a body on panels."""
 ID = "{id}"
 """Stands for the id of a task in the name of its file."""
 
@@ -87,8 +81,8 @@ class Task:
     """One stage at work."""
 
     stage: str
-    spec: Any  # what it computes from; None of a stage without specification
-    files: Mapping[str, str]  # by parameter of its function `run_STAGE`
+    spec: dict[str, Any]  # what it reads of the study, by parameter of its function `run_STAGE`, and its physics
+    files: Mapping[str, str]  # by parameter likewise
     makes: tuple[str, ...]
     needs: tuple[str, ...] = ()  # files of other tasks; those of users stand in its specification by their contents
     id: str = ""  # content id that the files it makes carry; none of the Green-function table
@@ -112,7 +106,7 @@ class Task:
     def of(
         cls,
         stage: str,
-        spec: Any,
+        given: Mapping[str, Any],
         out: str,
         reads: Mapping[str, "Task"] | None = None,
         *,
@@ -122,10 +116,12 @@ class Task:
         stamps: Sequence["Task"] = (),
         **options: Any,
     ) -> Self:
-        """Return a task whose id follows from its specification and what it follows.
+        """Return a task whose id follows from what it reads, the version of its physics, and what it follows.
 
         Parameters
         ----------
+        given : mapping
+            What it reads of the study, by parameter of its function.
         out : str
             Path of the file it makes, or their folder; `ID` in it is replaced by the id.
         reads : mapping of str to Task, optional
@@ -133,8 +129,9 @@ class Task:
         needs, files, makes : optional
             Further files it needs; further options; the files it makes, if not `out` alone.
         stamps : sequence of Task
-            Those it follows that its specification does not name by their ids.
+            Those it follows that it is not given the ids of.
         """
+        spec = spec_of(STAGES[stage].tag or stage, **given)
         identity = result_id(spec, *(one.id for one in stamps))
         read = {name: one.out for name, one in (reads or {}).items()}
         out = out.replace(ID, identity)
@@ -254,8 +251,15 @@ class ResultsPlan(Graph):
         return self.database.out
 
     @abstractmethod
-    def system(self, *names: str, **changed: Any) -> AnySystem:
-        """What floats, as a stage reads it: sections beyond those of every stage by name, others changed."""
+    def part(self, *names: str, **changed: Any) -> AnyStudy:
+        """Return what a stage of motion reads of the study: sections beyond those of every stage by name."""
+
+    of_ladder: ClassVar[tuple[str, ...]] = ()
+    """Sections control levels read beyond those of every stage of motion."""
+
+    def of_hydro(self, *names: str) -> dict[str, Hydro]:
+        """Return what a stage of motion reads of the section `hydro`: of a body its database holds all."""
+        return {}
 
     @property
     @abstractmethod
@@ -293,7 +297,7 @@ class ResultsPlan(Graph):
         """The Green-function table of panels."""
         folder = f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
         files, out = {"folder": folder}, f"{folder}.done"
-        return Task("green", None, {**files, "out": out}, (out,), on_the_way=True, seconds=costs.GREEN_SECONDS)
+        return Task("green", {}, {**files, "out": out}, (out,), on_the_way=True, seconds=costs.GREEN_SECONDS)
 
     # frequency domain -----------------------------------------------------------------------------------------------
 
@@ -301,19 +305,21 @@ class ResultsPlan(Graph):
     def radiation(self) -> Task:
         """The radiation memory of the hydro database."""
         hydro, memory = self.study.hydro, {} if self.study.buoy else {"added_mass_inf": self.study.hydro.added_mass_inf}
-        spec = RadiationSpec(database=self.database.id, tolerance=hydro.tolerance, **memory)
         read, out = {"database": self.database}, radiation_path(self.root, ID)
-        return Task.of("radiation", spec, out, read, seconds=costs.motions_seconds("radiation", self.coordinates))
+        return Task.of(
+            "radiation", {"tolerance": hydro.tolerance, **memory}, out, read, stamps=(self.database,),
+            seconds=costs.motions_seconds("radiation", self.coordinates),
+        )  # fmt: skip
 
     @cached_property
     def response(self) -> Task:
         """The frequency response."""
         grid = self._response_grid
         omega = {wave.omega for wave in self.study.waves if wave.regular} | {*grid.pop("omega", ())}
-        spec = ResponseSpec(system=self.system(), omega=tuple(sorted(omega)), directions=self.study.directions, **grid)
+        given = {"study": self.part(), "omega": sorted(omega), "directions": self.study.directions, **grid}
         read, out = {"database": self.database}, f"{self.folder}/response.nc"
         seconds = costs.motions_seconds("response", self.moved)
-        return Task.of("response", spec, out, read, stamps=(self.database,), seconds=seconds)
+        return Task.of("response", given, out, read, stamps=(self.database,), seconds=seconds)
 
     @property
     def _response_grid(self) -> dict[str, Any]:
@@ -324,12 +330,10 @@ class ResultsPlan(Graph):
     def ladder(self) -> Task:
         """The control levels; nothing is followed in time, so the method of the study does not matter."""
         study, simulation = self.study, self.study.simulation.model_copy(update={"method": "auto"})
-        modes = {"modes": study.buoy.modes} if study.buoy else {}
-        hydro = {"hydro": Band(omega_max=study.hydro.omega_max)} if study.buoy else {}
-        system = self.system("reference_shape", "drag", **modes)
+        read = self.part("drag", "waves", *self.of_ladder, simulation=simulation, **self.of_hydro("omega_max"))
         table, levels = f"{self.folder}/ladder.csv", f"{self.folder}/ladder.json"
         return Task.of(
-            "ladder", LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro), table,
+            "ladder", {"study": read}, table,
             {"database": self.database}, stamps=(self.database,), makes=(table, levels),
             files={"levels": levels, "manifest": self.manifest},
             seconds=costs.ladder_seconds(study) + self._in_seas("ladder"),
@@ -353,21 +357,19 @@ class ResultsPlan(Graph):
         tuning = study.pto.tuning if study.pto.damping is None else study.tuning(wave)  # a year's members lie still
         damping = study.pto.damper(design) if tuning == "fixed" else None
         pto = study.pto.model_copy(update={"damping": damping, "tuning": tuning})
-        dynamics = study.hydro.model_dump(include=set(Dynamics.model_fields)) if study.buoy else {}
-        spec = SimulateSpec(
-            system=self.system("reference_shape", "drag", designs={design: study.designs[design]}, pto=pto),
-            simulation=study.simulation,
-            waves=(wave,),
-            seas=study.one_of_each_sea if tuning == "one" else (),
-            **({"hydro": Dynamics(**dynamics)} if dynamics else {}),
-        )
+        one = {"designs": {design: study.designs[design]}, "pto": pto, "waves": (wave,)}
+        dynamics = self.of_hydro("omega_max", "model", "pressure", "power_tolerance")
+        read = self.part("drag", "simulation", **one, **dynamics)
+        run = Run(study=read, seas=study.one_of_each_sea if tuning == "one" else ())
         solved, out = self._hydro, f"{self.folder}/trajectories/{trajectory_name(design, wave.label)}"
         motions = self.coordinates if self.moved and study.designs[design].flexible else 0
         seconds = costs.run_seconds(study, wave, flexible=study.designs[design].flexible)
         seconds += costs.motions_seconds("simulate", motions)
         seconds += 2 * wave.irregular * costs.IN_A_SEA_SECONDS * motions**2  # of its spectrum and of its record
         memory = costs.run_megabytes(study, wave, self.coordinates, self.highest)
-        return Task.of("simulate", spec, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory)
+        return Task.of(
+            "simulate", {"run": run}, out, solved, stamps=[*solved.values()], seconds=seconds, megabytes=memory
+        )
 
     @cached_property
     def runs(self) -> dict[tuple[str, str], Task]:
@@ -397,7 +399,7 @@ class ResultsPlan(Graph):
         made = (out, *(files[name] for name in ("statistics", "validity", "study", "tables")))
         once, each = costs.COMPARED_SECONDS
         return Task.of(
-            "compare", CompareSpec(study=study), out, files=files, needs=needs, makes=made, stamps=stamps,
+            "compare", {"compared": study}, out, files=files, needs=needs, makes=made, stamps=stamps,
             seconds=once + each * len(self.runs) + self._in_seas("compare"),
             megabytes=costs.study_megabytes(self.study, self.coordinates),
         )  # fmt: skip
@@ -424,12 +426,12 @@ class ResultsPlan(Graph):
         seconds = costs.FIGURE_SECONDS * len(figures) + costs.motions_seconds("figures", self.moved)
         seconds += self._in_seas("figures")
         drawn = files | {"out": f"{folder}/figures"}
-        yield Task("figures", self.study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
+        yield Task("figures", {"study": self.study}, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
         report, tables = f"{folder}/report.html", compared.files["tables"]
         files |= {"tables": tables, "figures": f"{folder}/figures", "out": report}
         once, each = costs.REPORTED_SECONDS
         needs, seconds = (*needs, tables, *figures), once + each * len(self.runs) + self._in_seas("report")
-        yield Task("report", self.study, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
+        yield Task("report", {"study": self.study}, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
 
     @property
     def identity(self) -> str:
@@ -447,16 +449,17 @@ class StudyPlan(HydroPlan, ResultsPlan):
     """Everything a study of a buoy needs computed."""
 
     root: str = "results"
+    of_ladder = ("modes",)  # with their tolerance
 
-    def system(self, *names: str, **changed: Any) -> BuoySystem:
-        """The buoy, as a stage reads it."""
-        every = ("device", "water", "motion", "mooring", "modes", "designs", "pto", *names)
-        return BuoySystem(**self._sections(*every) | changed)
+    def part(self, *names: str, **changed: Any) -> Study:
+        """Return what a stage of motion reads of the study."""
+        every = ("device", "water", "reference_shape", "motion", "mooring", "designs", "pto")
+        modes = {} if "modes" in names else {"modes": self.study.modes.without_tolerance}
+        return self.study.only(*every, *names, **modes | changed)
 
-    def _sections(self, *names: str) -> dict[str, Any]:
-        """Sections of the study a stage reads."""
-        found = {name: getattr(self.study, name) for name in names}
-        return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
+    def of_hydro(self, *names: str) -> dict[str, Hydro]:
+        """Return what a stage of motion reads of the section `hydro`, beside the database."""
+        return {"hydro": self.study.hydro.only(*names)}
 
     @property
     def moved(self) -> int:
@@ -466,81 +469,81 @@ class StudyPlan(HydroPlan, ResultsPlan):
     @cached_property
     def modes(self) -> Task:
         """The shell modes."""
-        names = ("device", "modes", "reference_shape", "designs", "water", "motion", "mooring")
-        return Task.of("modes", ModesSpec(**self._sections(*names)), f"{self.folder}/modes.nc")
+        return Task.of("modes", {"study": self.part(pto=Pto())}, f"{self.folder}/modes.nc")
 
     @cached_property
     def display(self) -> Task:
         """Viewable meshes: the mean wetted shell, and one per axisymmetric mode and sign; studies share them."""
-        modes, folder = self._modes and self._modes.model_copy(update={"order": 1}), f"{self.root}/hydro/mesh/{ID}"
-        spec = DisplaySpec(modes=modes, **self._sections("device", "water", "reference_shape"))
+        modes, folder = self.study.modes.without_tolerance, f"{self.root}/hydro/mesh/{ID}"
+        shell = self.shell(**({"modes": modes.model_copy(update={"order": 1})} if self.study.flexible else {}))
         shapes = [f"{folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
         seconds, manifest = costs.motions_seconds("display", len(self.mode_labels)), f"{folder}/manifest.json"
-        return Task.of("display", spec, folder, makes=shapes, files={"manifest": manifest}, seconds=seconds)
+        return Task.of("display", {"study": shell}, folder, makes=shapes, files={"manifest": manifest}, seconds=seconds)
 
-    def block_path(self, spec: BlockSpec) -> str:
+    def block_path(self, block: AnyBlock) -> str:
         """Coefficients of a block of frequencies."""
-        return f"{self.root}/hydro/blocks/{content_id(spec)}.nc"
+        return f"{self.root}/hydro/blocks/{block_id(block)}.nc"
 
     def blocks(self) -> Iterator[Task]:
         """Yield all blocks of frequencies, of this shape at least; by panels with their meshes and the table."""
         every, out = self.bem_blocks.values(), f"{self.root}/hydro/blocks/{ID}.nc"
+        folder = f"{self.root}/hydro/mesh/{ID}"
         if self.study.uses_panels:
             yield self.green
         meshes = {
-            content_id(one.mesh): Task.of("mesh", one.mesh, f"{self.root}/hydro/mesh/{ID}/mean.nc", on_the_way=True)
+            content_id(one.mesh): Task.of("mesh", {"grid": one.mesh}, f"{folder}/mean.nc", on_the_way=True)
             for one in every
-            if isinstance(one, PanelsSpec)
+            if isinstance(one, PanelsBlock)
         }
         yield from meshes.values()
         for block in every:
-            seconds = costs.block_seconds(block)
-            if isinstance(block, PanelsSpec):
+            options: dict[str, Any] = {"on_the_way": True, "seconds": costs.block_seconds(block)}
+            if isinstance(block, PanelsBlock):
                 read, files = {"mesh": meshes[content_id(block.mesh)]}, {"green": self.green.files["folder"]}
                 needs = (self.green.out,)
-                yield Task.of("panels", block, out, read, files=files, needs=needs, on_the_way=True, seconds=seconds)
+                yield Task.of("panels", {"block": block}, out, read, files=files, needs=needs, **options)
             else:
-                yield Task.of("spectral", block, out, on_the_way=True, seconds=seconds)
+                yield Task.of("spectral", {"block": block}, out, **options)
 
     @cached_property
     def deformed(self) -> Task | None:
         """Meshes the second solver is asked about: the mean wetted shell, and one for each of its modes and signs."""
         if no_witness(self.study):
             return None
-        spec, folder = witness_spec(self).meshes, f"{self.root}/hydro/mesh/{ID}"
-        meshes = [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(spec.deformed))]
-        return Task.of("deformed", spec, folder, makes=meshes)
+        shapes, folder = witness_meshes(self), f"{self.root}/hydro/mesh/{ID}"
+        meshes = [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(shapes.deformed))]
+        return Task.of("deformed", {"shapes": shapes}, folder, makes=meshes)
 
     @cached_property
     def witness(self) -> Task | None:
         """What two solvers say of the same shapes; none without a second solver (`vsb.study.resolution`)."""
         if not (deformed := self.deformed):
             return None
-        spec, meshes = witness_spec(self), deformed.makes
+        shapes: DeformedMeshes = deformed.spec["shapes"]
+        meshes, omega = deformed.makes, witness_omega(self.study)
+        given = {"solver": panel_solver(), "shapes": shapes, "water": self.study.water, "omega": omega}
         return Task.of(
-            "witness", spec, f"{self.root}/hydro/witness/{ID}.nc", files={"meshes": deformed.files["out"]},
-            needs=meshes, seconds=costs.witness_seconds(len(meshes), spec),
+            "witness", given, f"{self.root}/hydro/witness/{ID}.nc", files={"meshes": deformed.files["out"]},
+            needs=meshes, seconds=costs.witness_seconds(len(meshes), shapes.rows),
         )  # fmt: skip
 
     @cached_property
     def database(self) -> Task:
         """The hydro database: the blocks in terms of the shell modes."""
         hydro = self.study.hydro
-        spec = DatabaseSpec(
-            sweep=tuple(map(content_id, self.sweep_blocks)),
-            tabulated=tuple(map(content_id, self.tabulated_blocks)),
-            omega=hydro.omega,
-            omega_max=self.highest_omega,
-            modes=self._modes,
-            tolerance=hydro.tolerance,
-            accept=tuple(sorted(hydro.accept)),
-            **self._sections("device", "reference_shape", "water", "motion", "mooring"),
-        )
+        given = {
+            "study": self.shell("motion", "mooring"),
+            "sweep": [*map(block_id, self.sweep_blocks)],
+            "tabulated": [*map(block_id, self.tabulated_blocks)],
+            "omega_max": self.highest_omega,
+            "tolerance": hydro.tolerance,
+            "accept": sorted(hydro.accept),
+        }
         blocks = f"{self.root}/hydro/blocks"
         needs = [f"{blocks}/{name}.nc" for name in self.bem_blocks]
         once, each = costs.DATABASE_SECONDS
         return Task.of(
-            "database", spec, database_path(self.root, ID), files={"blocks": blocks}, needs=needs,
+            "database", given, database_path(self.root, ID), files={"blocks": blocks}, needs=needs,
             seconds=once + each * self.coordinates**2,
         )  # fmt: skip
 
@@ -585,17 +588,16 @@ class BodyPlan(ResultsPlan):
     def database(self) -> Task:
         """The hydro database, solved or read; how long that takes is known where its files are."""
         study, solved = self.study, self.study.uses_panels
-        spec = BodySpec(
+        source = BodySource(
             body=study.body,
             water=study.water,
             dofs=study.dofs,
             omega_max=study.hydro.omega_max,
             accept=tuple(sorted(study.hydro.accept)),
             repair=tuple(sorted(study.hydro.repair)),
-            solver=panel_solver() if solved else "",
-            solved=PHYSICS if solved else 0,
         )
-        return Task.of("coefficients", spec, database_path(self.root, ID), files=self.sources, needs=self.inputs)
+        given = {"source": source} | ({"versions": SOLVED_BY} if solved else {})
+        return Task.of("coefficients", given, database_path(self.root, ID), files=self.sources, needs=self.inputs)
 
     def solved_database(self, apart: Sequence[Task] = ()) -> Task:
         """Return the same with what it takes, beside which frequencies are solved apart."""
@@ -615,10 +617,9 @@ class BodyPlan(ResultsPlan):
             apart += frequencies(file, self.sources, self.inputs, f"{self.root}/hydro/bodies")
         yield from (*apart, self.solved_database(apart))
 
-    def system(self, *names: str, **changed: Any) -> BodySystem:
-        """The body, as a stage after its database reads it."""
-        study, dragged = self.study, {"drag": self.study.drag} if "drag" in names and self.study.drag else {}
-        return BodySystem(**{"designs": study.designs, "water": study.water, "pto": study.pto} | dragged | changed)
+    def part(self, *names: str, **changed: Any) -> BodyStudy:
+        """Return what a stage of motion reads of the study: its database knows all else of the body."""
+        return self.study.only("designs", "water", "pto", *names, **changed)
 
     @property
     def coordinates(self) -> int:
@@ -666,7 +667,7 @@ def frequencies(
     count = min(most, int(seconds / costs.FREQUENCIES_SECONDS)) if file.tolerance is None else 0
     for first in range(count if count > 1 else 0):
         omega = (*file.omega, math.inf)[first::count]
-        spec = FrequenciesSpec(body=Body(file=file), omega=omega, solver=panel_solver(), solved=PHYSICS)
+        spec = spec_of("body", body=file, omega=omega, versions=SOLVED_BY)
         out = f"{folder}/{content_id(spec)}.done"
         yield Task(
             "frequencies", spec, {**sources, "out": out}, (out,), tuple(inputs), on_the_way=True,

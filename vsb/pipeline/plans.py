@@ -17,6 +17,7 @@ from pathlib import Path, PurePath, PurePosixPath
 from typing import Any, overload
 
 from vsb.engine.integrators.settings import Simulation
+from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.engine.waves.scatter import read_scatter
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id
@@ -27,6 +28,7 @@ from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy, is_body, located
 from vsb.study.campaign import (
     AT_FORCE,
+    ClimateFile,
     Constrained,
     LoadedCampaign,
     Scatter,
@@ -41,22 +43,17 @@ from vsb.study.campaign import (
 )
 from vsb.study.design import LoadedDesign, is_design
 from vsb.study.design import read as read_design
-from vsb.study.resolution import degree_needed
+from vsb.study.resolution import block_id, degree_needed
 from vsb.study.sections import DEGREES
 from vsb.study.specs import (
-    BodySystem,
-    BuoySystem,
+    RUN_BY,
     CampaignSpec,
-    ClimateSpec,
-    DesignFrontSpec,
     DesignSpec,
-    DesignStartSpec,
     DesignVerificationSpec,
     MemberSpec,
-    MembersSpec,
     Search,
-    Spec,
     VerificationSpec,
+    spec_of,
 )
 from vsb.study.study import Study, parse
 from vsb.study.vary import Point
@@ -97,13 +94,13 @@ class Member:
     @cached_property
     def id(self) -> str:
         """Content id."""
-        return content_id(self.spec)
+        return content_id(spec_of("member", member=self.spec))
 
 
 def members(
     base: Mapping[str, Any],
     points: Iterable[Point],
-    climate: ClimateSpec,
+    climate: ClimateFile,
     tuning: Sequence[Tunings],
     constrained: Constrained | None = None,
 ) -> list[Member]:
@@ -122,7 +119,7 @@ def members(
 def members_of(
     studies: Iterable[AnyStudy],
     points: Iterable[Point],
-    climate: ClimateSpec,
+    climate: ClimateFile,
     tuning: Sequence[Tunings],
     constrained: Constrained | None = None,
 ) -> list[Member]:
@@ -132,17 +129,17 @@ def members_of(
     for study, point in zip(studies, points, strict=True):
         if (shape := _shape(study)) not in swept:
             swept[shape] = _coefficients(study)
-        kind = BodySystem if isinstance(study, BodyStudy) else BuoySystem
-        system = kind(**{name: getattr(study, name) for name in kind.model_fields if name != "drag"})  # a year has none
+        of_buoy = () if isinstance(study, BodyStudy) else ("device", "motion", "mooring", "modes", "reference_shape")
+        read = study.only("designs", "water", "pto", "hydro", *of_buoy, drag=None)  # a year has none
         budget = {"climate": climate, "tuning": tuple(tuning), "constrained": constrained}
-        found.append(Member(point, study, MemberSpec(system=system, hydro=study.hydro, sweep=swept[shape], **budget)))
+        found.append(Member(point, study, MemberSpec(study=read, sweep=swept[shape], **budget)))
     return found
 
 
 def _coefficients(study: AnyStudy) -> tuple[str, ...]:
     """Ids of the blocks of a buoy's shape, or of the database of a body."""
     plan = plan_for(study)
-    return tuple(map(content_id, plan.sweep_blocks)) if isinstance(plan, StudyPlan) else (plan.database.id,)
+    return tuple(map(block_id, plan.sweep_blocks)) if isinstance(plan, StudyPlan) else (plan.database.id,)
 
 
 def _shape(study: AnyStudy) -> Hashable:
@@ -183,9 +180,9 @@ class CampaignPlan(Graph):
         return {**found, "device": others | self.loaded.floats_by}
 
     @property
-    def climate(self) -> ClimateSpec:
+    def climate(self) -> ClimateFile:
         """What the seas of the year are read from."""
-        return ClimateSpec.of(self.loaded.campaign.climate, self.loaded.climate_id)
+        return self.loaded.campaign.climate.of_contents(self.loaded.climate_id)
 
     @cached_property
     def studies(self) -> tuple[AnyStudy, ...]:
@@ -230,13 +227,9 @@ class CampaignPlan(Graph):
         most = max(map(len, self.members_by_batch.values()))
         minutes, made = 60 + math.ceil(self.member_seconds * most / 60), dict[str, Task]()
         for name, some in self.members_by_batch.items():
-            spec = MembersSpec(
-                base=self.base,
-                points=tuple(one.point for one in some),
-                climate=self.climate,
-                tuning=self.loaded.tuning,
-                constrained=self.loaded.constrained,
-            )
+            points = [one.point for one in some]
+            asked = {"year": self.climate, "tuning": self.loaded.tuning, "constrained": self.loaded.constrained}
+            spec = spec_of("members", base=self.base, points=points, **asked)
             out = f"{self.folder}/batches/{name}.nc"
             made[name] = Task(
                 "members", spec, {**read, "out": out}, (out,), tuple(databases), name,
@@ -313,9 +306,10 @@ class CampaignPlan(Graph):
         """
         memories = [one.radiation.out for one in self.bodies]
         found = [self._verification(one) for one in self.members] if self.loaded.campaign.verify else []
+        out = f"{self.folder}/verification/{ID}.nc"
         made = [
             Task.of(
-                "verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._read, needs=memories,
+                "verification", {"member": spec, "versions": RUN_BY}, out, files=self._read, needs=memories,
                 seconds=costs.verification_seconds(spec), megabytes=2000, minutes=240,
             )
             for spec in found
@@ -326,18 +320,21 @@ class CampaignPlan(Graph):
         """Spec of the runs in time of a member: its study by the better model, tolerance and method of the base."""
         verify = self.loaded.campaign.verify
         assert verify is not None
-        given, hydro = self.loaded.base.simulation, one.spec.hydro
+        given, changed = self.loaded.base.simulation, dict[str, Any]()
         simulation = Simulation(tolerance=given.tolerance, method=given.method)  # how long follows from the seas
         if one.study.buoy:
             raw = one.study.model_dump(exclude_none=True)
             raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
             try:
-                hydro = parse(raw, source="with the study's simulation").hydro
+                changed["hydro"] = parse(raw, source="with the study's simulation").hydro
             except ConfigError as error:
                 raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
-        parts = {name: value for name, value in one.spec if name not in Spec.model_fields}
-        parts |= {"hydro": hydro, "simulation": simulation, "verify": verify}
-        return VerificationSpec(**parts | {"tuning": (leading_tuning(self.loaded.tuning),)})
+        parts = dict(one.spec)
+        still: tuple[Wave, ...] = (StillWater(kind="still"),)  # the seas are those of the year
+        changed |= {"study": "member", "simulation": simulation, "waves": still}
+        study = one.spec.study.model_copy(update=changed)
+        parts |= {"study": study, "verify": verify, "tuning": (leading_tuning(self.loaded.tuning),)}
+        return VerificationSpec(**parts)
 
     @cached_property
     def campaign(self) -> Task:
@@ -358,7 +355,7 @@ class CampaignPlan(Graph):
         files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "manifest": self.manifest}
         table, before = f"{folder}/campaign.csv", (*self.batches.values(), *self.verifications.values())
         return Task.of(
-            "campaign", spec, self.data_path, files=files | {"table": table}, makes=(self.data_path, table),
+            "campaign", {"spec": spec}, self.data_path, files=files | {"table": table}, makes=(self.data_path, table),
             needs=[one.out for one in before], seconds=0.3 + 1e-3 * members, megabytes=2000 + self._megabytes(members),
         )  # fmt: skip
 
@@ -366,11 +363,11 @@ class CampaignPlan(Graph):
     def report(self) -> Task:
         """The report of a campaign and its figures."""
         whole, report = self.campaign, f"{self.folder}/report.html"
-        figures = figure_names.paths(self.folder, figure_names.of_campaign(whole.spec))
+        figures = figure_names.paths(self.folder, figure_names.of_campaign(whole.spec["spec"]))
         files = {**self._read, "figures": f"{self.folder}/figures", "manifest": self.manifest}
-        return Task.of(
-            "campaign_report", whole.spec, report, {"data": whole}, files=files, makes=(report, *figures),
-            seconds=3.0 + 1e-3 * len(self.members), megabytes=whole.megabytes,
+        return Task(
+            "campaign_report", whole.spec, files | {"data": whole.out, "out": report}, (report, *figures), (whole.out,),
+            whole.id, seconds=3.0 + 1e-3 * len(self.members), megabytes=whole.megabytes,
         )  # fmt: skip
 
     def _tasks(self) -> Iterator[Task]:
@@ -428,9 +425,9 @@ class DesignPlan(Graph):
         return self.loaded.problem.design
 
     @property
-    def climate(self) -> ClimateSpec:
+    def climate(self) -> ClimateFile:
         """What the seas of the year are read from."""
-        return ClimateSpec.of(self.loaded.problem.climate, self.loaded.climate_id)
+        return self.loaded.problem.climate.of_contents(self.loaded.climate_id)
 
     @cached_property
     def flexible(self) -> Search:
@@ -485,12 +482,12 @@ class DesignPlan(Graph):
     def _starts(self, search: Search, seconds: float) -> dict[str, Task]:
         """The starts of a search by id; without variables there is one."""
         problem = self.loaded.problem
-        specs = (
-            DesignStartSpec(search=search, seed=problem.seed, start=i)
-            for i in range(problem.starts if search.variables else 1)
-        )
+        given = {"search": search, "seed": problem.seed}
         out, read = f"{self.folder}/starts/{ID}.nc", self._climate_file
-        found = [Task.of("design_start", spec, out, files=read, seconds=seconds, minutes=120) for spec in specs]
+        found = [
+            Task.of("design_start", given | {"start": i}, out, files=read, seconds=seconds, minutes=120)
+            for i in range(problem.starts if search.variables else 1)
+        ]
         return {one.id: one for one in found}
 
     @cached_property
@@ -514,10 +511,10 @@ class DesignPlan(Graph):
         found = []
         for limit, values in self.loaded.problem.pareto.items():
             for search, starts in ((self.flexible, self.starts), (self.rigid, self.rigid_starts)):
-                spec = DesignFrontSpec(search=search, limit=limit, values=values, starts=tuple(starts))
+                given = {"search": search, "limit": limit, "values": values, "begun": tuple(starts)}
                 found.append(
                     Task.of(
-                        "design_front", spec, f"{self.folder}/fronts/{ID}.nc", files=self._begun,
+                        "design_front", given, f"{self.folder}/fronts/{ID}.nc", files=self._begun,
                         needs=[one.out for one in starts.values()], seconds=costs.START_SECONDS, minutes=240,
                     )
                 )  # fmt: skip
@@ -537,8 +534,9 @@ class DesignPlan(Graph):
             starts=tuple(self.starts),
             rigid_starts=tuple(self.rigid_starts),
         )
+        out = f"{self.folder}/verification/{ID}.nc"
         return Task.of(
-            "design_verification", spec, f"{self.folder}/verification/{ID}.nc", files=self._begun | {"root": self.root},
+            "design_verification", {"spec": spec, "versions": RUN_BY}, out, files=self._begun | {"root": self.root},
             needs=[one.out for one in self.all_starts], seconds=60.0, minutes=600, megabytes=2000,
         )  # fmt: skip
 
@@ -564,19 +562,20 @@ class DesignPlan(Graph):
         made = [f"{folder}/{name}" for name in TABLES]
         before = [*self.all_starts, *self.fronts.values(), *([verification] if verification else [])]
         files = {"fronts": f"{folder}/fronts", "verifications": f"{folder}/verification", "folder": folder}
+        read = spec_of("design_results", spec=spec)
         return Task(
-            "design_results", spec, self._begun | files | {"manifest": self.manifest}, tuple(made),
-            tuple(one.out for one in before), content_id(spec), seconds=8.0, megabytes=2000,
+            "design_results", read, self._begun | files | {"manifest": self.manifest}, tuple(made),
+            tuple(one.out for one in before), content_id(read), seconds=8.0, megabytes=2000,
         )  # fmt: skip
 
     @cached_property
     def report(self) -> Task:
         """The report of the problem and its figures."""
-        spec, report = self.design.spec, f"{self.folder}/report.html"
-        figures = figure_names.paths(self.folder, figure_names.of_design(spec))
+        whole, report = self.design, f"{self.folder}/report.html"
+        figures = figure_names.paths(self.folder, figure_names.of_design(whole.spec["spec"]))
         files = {"data": self.data_path, "figures": f"{self.folder}/figures", "manifest": self.manifest}
-        return Task.of(
-            "design_report", spec, report, files=files, makes=(report, *figures), needs=(self.data_path,),
+        return Task(
+            "design_report", whole.spec, files | {"out": report}, (report, *figures), (self.data_path,), whole.id,
             seconds=3.0, megabytes=2000,
         )  # fmt: skip
 

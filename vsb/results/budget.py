@@ -16,7 +16,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.errors import VsbError
-from vsb.models.floating_system import AnyBody, BuoyOfShape, Floating
+from vsb.models.floating_system import BuoyOfShape, Floating
 from vsb.models.mode_convergence import (
     SAMPLED,
     SOLVED_EACH,
@@ -28,8 +28,8 @@ from vsb.models.mode_convergence import (
     take_offs,
 )
 from vsb.models.rest import has_attachment_modes, loaded_at_ring
+from vsb.study.body import AnyStudy
 from vsb.study.resolution import expected_change
-from vsb.study.specs import BuoySystem
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -144,9 +144,7 @@ ENDS = ("low", "high")
 """Of a range about zero: the value with all modes less the one computed."""
 
 
-def modes_left_out(
-    study: BuoySystem, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None
-) -> xr.Dataset:
+def modes_left_out(study: Study, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
     Parameters
@@ -190,7 +188,7 @@ class LeftOut(NamedTuple):
     gain: FloatArray  # over the reference, 0 without one [percentage points]
 
 
-def left_out_of_year(study: Study | AnyBody, floating: Floating, climate: Climate) -> LeftOut:
+def left_out_of_year(study: AnyStudy, floating: Floating, climate: Climate) -> LeftOut:
     """Return how far a year's mean power and its gain may lie from those of a shell with all its modes.
 
     Parameters

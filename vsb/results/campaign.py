@@ -14,7 +14,7 @@ from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.motion.tuning import matrix_text
 from vsb.engine.waves.climate import Climate
-from vsb.models.floating_system import AnyBody, Floating, InWaves
+from vsb.models.floating_system import Floating, InWaves
 from vsb.models.take_off import given_damper, matrix_kind
 from vsb.models.viability import Viability, with_designs
 from vsb.results.budget import LeftOut, left_out_of_year
@@ -33,10 +33,10 @@ from vsb.results.year import (
     within_errors,
     year,
 )
-from vsb.study.body import BodyDesign
+from vsb.study.body import AnyStudy, BodyDesign
 from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Tunings, leading_tuning
 from vsb.study.specs import CampaignSpec
-from vsb.study.study import Study, first_rigid
+from vsb.study.study import first_rigid
 from vsb.study.vary import MEMBER, PORT, unit
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.variables import PortKind
@@ -231,7 +231,7 @@ def _cell(value: object) -> object:
 # A rigid design does not depend on material and thickness: members share its year, computed once.
 
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[Study | AnyBody, Floating, Climate, LeftOut | None], xr.Dataset]
+YearsWithin = Callable[[AnyStudy, Floating, Climate, LeftOut | None], xr.Dataset]
 """Study of viable designs, what floats in it, climate, shell modes left out -> their years within limits."""
 
 BINS = ("hs", "te")
@@ -357,9 +357,7 @@ def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
         found[name][1][np.ix_(*places)] = values
 
 
-def ports_year(
-    study: Study | AnyBody, ports: Mapping[str, Port | Ports], climate: Climate, tunings: Sequence[Tuning]
-) -> Year:
+def ports_year(study: AnyStudy, ports: Mapping[str, Port | Ports], climate: Climate, tunings: Sequence[Tuning]) -> Year:
     """Return the year of the designs of a study from their ports, beside the take-off's spring."""
     given = {design: given_damper(study.pto, design, port.velocity.shape[1:]) for design, port in ports.items()}
     kind, reference = matrix_kind(study.pto), study.reference_design
@@ -376,7 +374,7 @@ class DampedYears:
 
     def __call__(
         self,
-        study: Study | AnyBody,
+        study: AnyStudy,
         waves: Mapping[str, InWaves[Any]],
         errors: Sequence[CoefficientError] = (),
         left_out: LeftOut | None = None,
@@ -411,7 +409,7 @@ class DampedYears:
             return together
         return {**together, **self._intervals(study, waves, together, errors, left_out)}
 
-    def _key(self, study: Study | AnyBody, design: str, waves: InWaves[Any]) -> bytes:
+    def _key(self, study: AnyStudy, design: str, waves: InWaves[Any]) -> bytes:
         """All that the year of a rigid design depends on in one climate."""
         parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
         pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
@@ -420,7 +418,7 @@ class DampedYears:
         damper = np.asarray(0.0 if given is None else given)
         return b"".join(part.tobytes() for part in (*parts, damper, np.array(numbers))) + matrix_kind(pto).encode()
 
-    def _computed(self, study: Study | AnyBody, waves: Mapping[str, InWaves[Any]]) -> Values:
+    def _computed(self, study: AnyStudy, waves: Mapping[str, InWaves[Any]]) -> Values:
         """Results of designs that are not known yet."""
         ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         if not self.tunings:
@@ -452,7 +450,7 @@ class DampedYears:
 
     def _intervals(
         self,
-        study: Study | AnyBody,
+        study: AnyStudy,
         waves: Mapping[str, InWaves[Any]],
         found: Mapping[str, tuple[tuple[str, ...], AnyArray]],
         errors: Sequence[CoefficientError],

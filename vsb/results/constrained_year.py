@@ -25,13 +25,13 @@ from vsb.engine.waves.kinds import Irregular, RegularWave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, StabilityError, VsbError
-from vsb.models.floating_system import AnyBody, Floating, InWaves
+from vsb.models.floating_system import Floating, InWaves
 from vsb.results.budget import LeftOut
 from vsb.results.campaign import OF_LIMITS
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of, year_of_bins
+from vsb.study.body import AnyStudy
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 SECONDS_PER_CUBE = 4e-9
@@ -263,7 +263,7 @@ class Optima:
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
     def __call__(
-        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: LeftOut | None = None
+        self, study: AnyStudy, floating: Floating, climate: Climate, left_out: LeftOut | None = None
     ) -> xr.Dataset:
         """Return the years of designs within the limits of their take-off.
 
@@ -285,7 +285,7 @@ class Optima:
         return constrained_dataset(study, found, waves, climate, floating.errors(harmonics.omega), left_out)
 
     def _year(
-        self, study: Study | AnyBody, design: str, waves: InWaves[Port], climate: Climate, harmonics: Harmonics
+        self, study: AnyStudy, design: str, waves: InWaves[Port], climate: Climate, harmonics: Harmonics
     ) -> ConstrainedYear:
         """The year of one design."""
         limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
@@ -303,7 +303,7 @@ class Optima:
 
 
 def constrained_dataset(
-    study: Study | AnyBody,
+    study: AnyStudy,
     years: Mapping[str, ConstrainedYear],
     waves: Mapping[str, InWaves[Port]],
     climate: Climate,

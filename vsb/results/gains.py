@@ -14,13 +14,14 @@ from vsb.engine.motion.take_off import DAMPERS, Pto, port_kind
 from vsb.engine.motion.tuning import damper_within_force, mean_power
 from vsb.engine.waves.kinds import Irregular, PeakedSea, Wave
 from vsb.errors import VsbError
-from vsb.models.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
+from vsb.models.floating_system import FloatingSystem, expected_sea, port_in_seas
 from vsb.models.stationary import rms_limits, stationary_ports
 from vsb.models.take_off import LINEARISED
 from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, gains
 from vsb.results.ladder import CAUSAL, SAME_FORCE, ControlLevel
 from vsb.results.mean_power import LEVELS, STATISTICS, MeanPower, MeanPowers, is_linear
+from vsb.study.body import AnyStudy
 from vsb.study.study import BaseStudy
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import plain, superscripts
@@ -350,7 +351,7 @@ class Elsewhere(NamedTuple):
     own_force_rms: float  # [N]
 
 
-def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) -> list[Elsewhere]:
+def elsewhere(study: AnyStudy, floating: FloatingSystem, waves: Sequence[Wave]) -> list[Elsewhere]:
     """Return what causal controllers absorb by linear theory in seas of the same height and other peak periods.
 
     Each keeps the rms force of the level `causal` in its own sea, and has no forecast. It stays stable: its loop is
@@ -397,7 +398,7 @@ class _Control(NamedTuple):
         return self.matched * best.converted(self.pto.efficiency) / self.port.matched_power
 
 
-def worth_of_knowledge(study: InSeas, floating: FloatingSystem, wave: Irregular) -> xr.Dataset:
+def worth_of_knowledge(study: AnyStudy, floating: FloatingSystem, wave: Irregular) -> xr.Dataset:
     """Return mean powers in a sea under causal control, at the rms force of the control level `causal`.
 
     Returns

@@ -63,7 +63,7 @@ from vsb.models.stationary import (
 )
 from vsb.models.take_off import dragged_port, given_matrix, matrix_kind
 from vsb.results.budget import MODES, Budget, Rows, Source, modes_left_out
-from vsb.study.specs import LadderSpec
+from vsb.study.body import AnyStudy
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import csv_text
 
@@ -139,7 +139,7 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
+def study_ladder(study: AnyStudy, database: str) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea; still water has none.
 
     Powers are expectations over the spectrum, peaks those of a realisation as long as a run, with expected amplitudes,
@@ -170,9 +170,9 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         ports = {design: port_in_seas(floating, design, both) for design in study.designs}
         given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
         dragged = None
-        if study.system.plates:
+        if study.plates:
             going = headings(both)
-            dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
+            dragged = {design: dragged_port(study, floating, design, going) for design in study.designs}
         levels = levels_of(ports, records, families, given, study.simulation.duration, dragged)
         if pto.limited:
             matched = {(level.design, level.wave): level.power_mean for level in levels if level.rung == "matched"}
@@ -296,7 +296,7 @@ def levels_of(
 
 
 def matrix_levels(
-    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
+    study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
 ) -> tuple[list[ControlLevel], Matrices]:
     """Return the levels of damper matrices, and the matched one, of every design in every sea; and those matrices.
 
@@ -331,7 +331,7 @@ def matrix_levels(
 
 
 def material_levels(
-    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], levels: Sequence[ControlLevel]
+    study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea], levels: Sequence[ControlLevel]
 ) -> list[ControlLevel]:
     """Return the mean power that the material of the shell would allow at ports of strain, by design and sea.
 
@@ -389,7 +389,7 @@ def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> 
 # optima within limits -----------------------------------------------------------------------------------------------
 
 
-def constrained_levels(study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[ControlLevel]:
+def constrained_levels(study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[ControlLevel]:
     """Return the level within the limits of the take-off of every design in every sea."""
     ds, limits = floating.linear.database, Limits(study.pto.force_limit, study.pto.stroke_limit)
     of_force, levels = (float(ds.omega[0]), band(study, ds)[1]), []
@@ -468,7 +468,7 @@ def constrained_checks(levels: Sequence[ControlLevel]) -> list[Check]:
 
 
 def causal_levels(
-    study: LadderSpec,
+    study: AnyStudy,
     floating: FloatingSystem,
     seas: Sequence[tuple[Wave, Sea]],
     ports: Mapping[str, PortInSeas],
@@ -538,7 +538,7 @@ def causal_level(
 
 
 def causal_levels_with_drag(
-    study: LadderSpec, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], levels: Sequence[ControlLevel]
+    study: AnyStudy, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], levels: Sequence[ControlLevel]
 ) -> list[ControlLevel]:
     """Return the optimal causal control beside quadratic drag in every irregular sea, and the damper of its rms force.
 
@@ -563,7 +563,7 @@ def causal_levels_with_drag(
             continue
         found.append(best._replace(rung=SAME_FORCE))
         try:
-            own = optimum_with_drag(study.system, floating, design, wave, sea, pto, best.force_rms)
+            own = optimum_with_drag(study, floating, design, wave, sea, pto, best.force_rms)
         except VsbError as error:
             found.append(unknown._replace(note=str(error)))
             continue

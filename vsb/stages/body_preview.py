@@ -65,7 +65,7 @@ def check(plan: BodyPlan) -> CheckedBody:
     else:
         ds = read_source(source.kind, files[source.kind], study.water, source.length, source.bodies, source.modes)
         check_water(study.water, ds)
-        body, _, checks, _ = judged(plan.database.spec, within_band(ds, study.hydro.omega_max))
+        body, _, checks, _ = judged(plan.database.spec["source"], within_band(ds, study.hydro.omega_max))
     floating, drifting = floating_body(study, body), {}
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
@@ -184,7 +184,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
             found, checks = solved(file, mesh, folder, green=green)
         checks = [check for check in checks if check.name not in plan.study.hydro.accept]
         if (finer := refined_file(file, mesh, checks)) is None:
-            known = judged(plan.database.spec, within_band(found, plan.study.hydro.omega_max)).checks
+            known = judged(plan.database.spec["source"], within_band(found, plan.study.hydro.omega_max)).checks
             of_mesh = {check.name for check in mesh_checks(file, mesh)}
             doubts = doubt_lines(check for check in known if check.name not in of_mesh)
             tried = f"{count} frequencies tried"

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from vsb.engine.waves.climate import Climate, realised
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.engine.waves.water import Water
-from vsb.keys.quantities import canonical, content_id
-from vsb.models.floating_system import AnyBody, BuoyOfShape, Floating
+from vsb.models.floating_system import BuoyOfShape, Floating
 from vsb.models.rest import whole_labels
 from vsb.models.viability import OVERLOADED, advice, with_designs
 from vsb.pipeline.plans import members
@@ -37,8 +36,10 @@ from vsb.results.campaign import as_csv, gathered, with_verification
 from vsb.results.year import Bins, frequencies
 from vsb.stages.check import read_climate
 from vsb.stages.members import at_rest
+from vsb.stages.stage import Stamp
 from vsb.stages.water import shell_modes
 from vsb.study import figure_names
+from vsb.study.body import AnyStudy
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.tools.files import load, save, write_text
@@ -55,15 +56,16 @@ def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
     return {"advice": advice(one.study)} if isinstance(one.study, Study) else {}
 
 
-def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:
+def run_campaign(
+    spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str, stamp: Stamp
+) -> None:
     """Write the results of a campaign from its batches and from what runs in time say."""
     found = gathered(spec, (load(Path(batches) / f"{batch}.nc", expected=batch) for batch in spec.batches))
     runs = [load(Path(verifications) / f"{one}.nc", expected=one) for one in spec.verifications]
     found = with_verification(spec, found, runs)
-    identity = content_id(spec)
-    save(found.assign_attrs(_tried(spec, found), spec=canonical(spec), spec_id=identity), out)
+    save(found.assign_attrs(_tried(spec, found), **stamp), out)
     write_text(table, as_csv(spec, found))
-    record(manifest, identity, [table])
+    record(manifest, stamp["spec_id"], [table])
 
 
 FRAMES = PER_PERIOD * PERIODS
@@ -73,7 +75,7 @@ FRAMES = PER_PERIOD * PERIODS
 class Point(NamedTuple):
     """A point of a campaign whose take-off a page knows."""
 
-    study: Study | AnyBody  # of its viable designs
+    study: AnyStudy  # of its viable designs
     floating: Floating
 
 
@@ -87,10 +89,10 @@ def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
 
 
 def run_campaign_report(
-    spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str
+    spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str, stamp: Stamp
 ) -> None:
     """Draw the figures of a campaign and write its report."""
-    identity = content_id(spec)
+    identity = stamp["spec_id"]
     ds = load(data, expected=identity)
     seas = read_climate(spec.climate, climate)
     with mpl.rc_context():  # the caller's own figures keep their looks

@@ -35,9 +35,9 @@ def check(plan: CampaignPlan) -> None:
             one.flexible and buoy.modes.max_degree <= 2 * len(one.clamp) for one in buoy.designs.values()
         ):
             _check_clamps(buoy, where_of(member.point), plan.loaded.source)
-    for spec in (one.spec for one in plan.verifications.values()):
-        if spec.buoy:
-            _check_runs(spec.simulated, plan.loaded.source)
+    for task in plan.verifications.values():
+        if buoy := task.spec["member"].study.buoy:
+            _check_runs(buoy, plan.loaded.source)
 
 
 def _check_band(plan: CampaignPlan, seas: Climate, omega_min: float, omega_max: float) -> None:

@@ -15,13 +15,13 @@ from vsb.pipeline.costs import GREEN_KEPT_SECONDS
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.jobs import cost_line
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, degree_lines
-from vsb.study.specs import ClimateSpec
+from vsb.study.campaign import ClimateFile
 from vsb.study.study import BaseStudy, units_doubted, unlikely_units
 from vsb.tools.files import sha256_of
 
 
-def read_climate(spec: ClimateSpec, path: str) -> Climate:
-    """Read the seas of a year from the file whose contents a specification names.
+def read_climate(year: ClimateFile, path: str) -> Climate:
+    """Read the seas of a year from a file named by its contents.
 
     Raises `ConfigError` if it holds others, or cannot be read.
     """
@@ -29,9 +29,9 @@ def read_climate(spec: ClimateSpec, path: str) -> Climate:
         found = sha256_of(path)[:16]
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs the climate of the campaign") from None
-    if found != spec.contents:
+    if found != year.file:
         raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
-    return read_seas(path, spec.form, spec.gamma or 1.0)
+    return read_seas(path, year.spectrum, year.gamma)
 
 
 def read_seas(path: str | Path, form: Spectrum | Literal["spectra"] = "spectra", gamma: float = 3.3) -> Climate:

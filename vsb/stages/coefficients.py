@@ -32,9 +32,9 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.pipeline.graph import frequencies
 from vsb.pipeline.jobs import workers
-from vsb.stages.stage import CAN_FORK, run_side_by_side, stamp
+from vsb.stages.stage import CAN_FORK, Stamp, run_side_by_side
 from vsb.study.body import REPAIRS, Body
-from vsb.study.specs import BodySpec, FrequenciesSpec
+from vsb.study.specs import BodySource
 from vsb.tools.files import save, write_text
 
 _KEPT = (
@@ -53,34 +53,32 @@ REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.ome
 """What helps a body of which a check fails."""
 
 
-def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
+def run_coefficients(source: BodySource, out: str, stamp: Stamp, **files: str) -> None:
     """Solve or read the coefficients of a body, check them, and store them with its matrices.
 
     Raises `ConfigError` or `DatabaseError` if a file is not what it should be, or a check fails that the study does not
     accept.
     """
-    if isinstance(spec.body.file, BodyFile):
-        found = finely_solved(spec.body.file, spec.accept, files, files["folder"], files["green"])
+    if isinstance(source.body.file, BodyFile):
+        found = finely_solved(source.body.file, source.accept, files, files["folder"], files["green"])
     else:
-        body = spec.body
-        found = read_source(body.kind, files[body.kind], spec.water, body.length, body.bodies, body.modes)
-    check_water(spec.water, found)
-    store(spec, within_band(found, spec.omega_max), out)
+        body = source.body
+        found = read_source(body.kind, files[body.kind], source.water, body.length, body.bodies, body.modes)
+    check_water(source.water, found)
+    store(source, within_band(found, source.omega_max), out, stamp)
 
 
-def run_frequencies(spec: FrequenciesSpec, out: str, **files: str) -> None:
+def run_frequencies(body: BodyFile, omega: list[float], out: str, **files: str) -> None:
     """Solve some frequencies of a body, each to a file of its own, where its database finds them."""
-    _solve_frequencies(spec, files)
-    write_text(out, f"{len(spec.omega)} frequencies\n")
+    _solve_frequencies(body, omega, files)
+    write_text(out, f"{len(omega)} frequencies\n")
 
 
-def _solve_frequencies(spec: FrequenciesSpec, files: Mapping[str, str]) -> None:
+def _solve_frequencies(body: BodyFile, omega: Sequence[float], files: Mapping[str, str]) -> None:
     """The same without a note that it is done."""
-    file = spec.body.file
-    assert isinstance(file, BodyFile)
-    blocks = blocks_of(file, build_body(file, files), files["folder"], files["green"])
-    for omega in spec.omega:
-        blocks(omega)
+    blocks = blocks_of(body, build_body(body, files), files["folder"], files["green"])
+    for one in omega:
+        blocks(one)
 
 
 def solve_body(study: BodyFile, body: FlexibleBody, config: str, out: str) -> list[Check]:
@@ -91,7 +89,12 @@ def solve_body(study: BodyFile, body: FlexibleBody, config: str, out: str) -> li
     if CAN_FORK and (count := workers(some)) > 1:
         check_solvable(study, body)
         stored_green_function(table)
-        run_side_by_side(some, lambda task: _solve_frequencies(task.spec, task.files), count, lambda *_: None)
+        run_side_by_side(
+            some,
+            lambda task: _solve_frequencies(task.spec["body"], task.spec["omega"], task.files),
+            count,
+            lambda *_: None,
+        )
     return solve(study, body, out)
 
 
@@ -120,28 +123,28 @@ class Judged(NamedTuple):
     unseen: list[str]
 
 
-def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
+def judged(source: BodySource, found: xr.Dataset) -> Judged:
     """Return a body from coefficients solved or read, judged in the degrees of freedom its designs move in.
 
     Raises `ConfigError` or `DatabaseError` if matrices or degrees of freedom are missing, or a check fails that the
     study does not accept.
     """
-    found, conjugated = with_hydrostatics(spec.body, found), list[Check]()
-    if "phases" in spec.repair:
+    found, conjugated = with_hydrostatics(source.body, found), list[Check]()
+    if "phases" in source.repair:
         found, check = with_conjugated_forces(found)
         conjugated.append(check)
-    if "positive_damping" not in spec.repair:
-        found = without_negative_ends(found, chosen(spec.dofs, list(map(str, found.influenced_dof.values))))
-    body = complete_body(spec.body, spec.dofs, found)
+    if "positive_damping" not in source.repair:
+        found = without_negative_ends(found, chosen(source.dofs, list(map(str, found.influenced_dof.values))))
+    body = complete_body(source.body, source.dofs, found)
     kept = list(body.labels)
     checks, unseen = source_checks(found, kept)
     _, symmetry = with_symmetric_stiffness(found.sel(influenced_dof=kept, radiating_dof=kept))
-    known = (check for check in of_own_mass(checks, spec.body, body) if check.name != "hydrostatic_symmetry")
+    known = (check for check in of_own_mass(checks, source.body, body) if check.name != "hydrostatic_symmetry")
     checks = [*known, *symmetry]  # of what is kept, whatever is stored of all
-    mended, repairs = repaired(body.database, spec.repair)
+    mended, repairs = repaired(body.database, source.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
-    checks = [*failures_as_doubts(checks, spec.repair), *conjugated, *repairs]
-    return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY, REPAIRS), unseen)
+    checks = [*failures_as_doubts(checks, source.repair), *conjugated, *repairs]
+    return Judged(body, ds, quality.judged(checks, source.accept, REMEDY, REPAIRS), unseen)
 
 
 def of_own_mass(checks: Sequence[Check], given: Body, body: LinearSystem) -> list[Check]:
@@ -155,20 +158,20 @@ def of_own_mass(checks: Sequence[Check], given: Body, body: LinearSystem) -> lis
     ]
 
 
-def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
+def store(source: BodySource, found: xr.Dataset, out: str, stamp: Stamp) -> None:
     """Write the database of a body, its designs' degrees of freedom alone, and what its numbers are worth."""
-    body, ds, checks, unseen = judged(spec, found)
+    body, ds, checks, unseen = judged(source, found)
     volumes = map(volume_of, of_bodies(body.labels))
     facts = {name: ds.attrs[name] for name in dict.fromkeys([*_KEPT, *volumes]) if name in ds.attrs}
     facts["history"] = "; ".join([text for text in (facts.get("history", ""), *unseen) if text])
     attrs = {
         "title": f"hydro database of a body: {', '.join(body.labels)}",
         "source": f"vsb {__version__}",
-        **stamp(spec),
+        **stamp,
         "quality": database.as_json(checks),
-        "water_density": spec.water.density,
-        "water_depth": str(spec.water.depth),
-        "gravity": spec.water.gravity,
+        "water_density": source.water.density,
+        "water_depth": str(source.water.depth),
+        "gravity": source.water.gravity,
         "solver": found.attrs.get("solver", found.attrs.get("source", "unknown")),
         **facts,
     }

@@ -17,41 +17,40 @@ from vsb.design.problem import IMPOSSIBLE, Point, excesses, limit_parts
 from vsb.design.searched import Outcome, best, failed, finer_of, from_start, problem_of, uncertain_margins
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError, DatabaseError
-from vsb.keys.quantities import canonical
 from vsb.stages.check import read_climate
-from vsb.stages.stage import stamp
+from vsb.stages.stage import Stamp
 from vsb.study.design import OF_SHELL
-from vsb.study.specs import DesignFrontSpec, DesignStartSpec, Search
+from vsb.study.specs import Search
 from vsb.tools.files import load, save
 
 
-def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:
+def run_design_start(search: Search, seed: int, start: int, climate: str, out: str, stamp: Stamp) -> None:
     """Optimise from one start and write where it ended.
 
     Where the same start ended under other limits it is kept if these limits do not hold it, or else begun from.
     """
-    before = earlier(spec, Path(out).parent)
+    before = earlier(stamp["spec"], Path(out).parent)
     for name, end, limits in before:
-        if same := under_limits(end, limits, spec.search.limits, spec.search.sigmas):
+        if same := under_limits(end, limits, search.limits, search.sigmas):
             print(f"kept: where start {name} ended, under other limits that did not and do not hold it", flush=True)
-            save(same.dataset.assign_attrs(stamp(spec)), out)
+            save(same.dataset.assign_attrs(stamp), out)
             return
     begin = None
     if accepted := [(name, end) for name, end, _ in before if end.accepted]:
         name, begin = accepted[0]
         print(f"begun where start {name} ended under other limits", flush=True)
-    seas, keys = read_climate(spec.search.climate, climate), [one.key for one in spec.search.variables]
+    seas, keys = read_climate(search.climate, climate), [one.key for one in search.variables]
     try:
-        found = from_start(spec.search, seas, spec.seed, spec.start, BestSoFar(spec.search), begin)
+        found = from_start(search, seas, seed, start, BestSoFar(search), begin)
         result = Outcome.of(found, keys).dataset
     except ConvergenceError as error:
         result = failed(str(error))
-    save(result.assign_attrs(stamp(spec)), out)
+    save(result.assign_attrs(stamp), out)
 
 
-def earlier(spec: DesignStartSpec, folder: Path) -> list[tuple[str, Outcome, Mapping[str, float]]]:
+def earlier(text: str, folder: Path) -> list[tuple[str, Outcome, Mapping[str, float]]]:
     """Return names and ends of the same start of the same problem but for values of limits, and those limits."""
-    wanted, found = json.loads(canonical(spec)), []
+    wanted, found = json.loads(text), []
     limits = wanted["search"].pop("limits")
     for path in sorted(folder.glob("*.nc")):
         try:
@@ -131,12 +130,19 @@ def outcomes(folder: str, ids: Sequence[str]) -> list[Outcome | str]:
     return [Outcome.read(load(Path(folder) / f"{one}.nc", expected=one)) for one in ids]
 
 
-def run_design_front(spec: DesignFrontSpec, climate: str, starts: str, out: str) -> None:
+def run_design_front(
+    search: Search,
+    limit: str,
+    values: list[float],
+    begun: list[str],
+    climate: str,
+    starts: str,
+    out: str,
+    stamp: Stamp,
+) -> None:
     """Optimise over the values of one limit, each begun at the best buoy of its neighbour."""
-    first = best(outcomes(starts, spec.starts))
-    seas = read_climate(spec.search.climate, climate)
-    found = front(spec.search, seas, spec.limit, sorted(spec.values), first)
-    save(found.assign_attrs(stamp(spec)), out)
+    first, seas = best(outcomes(starts, begun)), read_climate(search.climate, climate)
+    save(front(search, seas, limit, sorted(values), first).assign_attrs(stamp), out)
 
 
 def front(search: Search, climate: Climate, limit: str, values: Sequence[float], first: Outcome) -> xr.Dataset:

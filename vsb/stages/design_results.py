@@ -1,15 +1,17 @@
-"""Rule design_results: the best flexible buoy beside the best rigid one, as tables and as studies that run."""
+"""Rule design_results: the best flexible buoy beside the best rigid one, as tables, studies that run, and a report."""
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 import yaml
+from matplotlib.figure import Figure
 
 from vsb.design.budgets import LINEAR_THEORY, PowerParts, Uncertainty, power_parts, uncertainty, with_linear_theory
 from vsb.design.compared import (
@@ -29,13 +31,17 @@ from vsb.design.problem import IMPOSSIBLE, POWER, depends, excesses, limit_parts
 from vsb.design.searched import Outcome, best
 from vsb.engine.motion.take_off import named_ports, port_kind
 from vsb.engine.waves.climate import Climate
-from vsb.keys.quantities import Section, canonical, content_id
+from vsb.keys.quantities import Section
 from vsb.models.viability import viability
 from vsb.pipeline.plans import TABLES
+from vsb.report.canvas import drawn
 from vsb.report.design_answer import answer, no_answer, objective_text
+from vsb.report.design_page import figure_of, render
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes, points_of, under_limit
+from vsb.stages.stage import Stamp
+from vsb.study import figure_names
 from vsb.study.design import DIVISORS, LIMITS, limit_of, unit_of
 from vsb.study.feasible import OF_EVERY_BUOY
 from vsb.study.specs import DesignSpec, Search
@@ -50,10 +56,17 @@ Table = tuple[list[str], list[list[object]]]
 
 
 def run_design_results(
-    spec: DesignSpec, climate: str, starts: str, fronts: str, verifications: str, folder: str, manifest: str
+    spec: DesignSpec,
+    climate: str,
+    starts: str,
+    fronts: str,
+    verifications: str,
+    folder: str,
+    manifest: str,
+    stamp: Stamp,
 ) -> None:
     """Write what all starts together say."""
-    seas, identity = read_climate(spec.flexible.climate, climate), content_id(spec)
+    seas = read_climate(spec.flexible.climate, climate)
     ends = {FLEXIBLE: outcomes(starts, spec.starts), COMPETITOR: outcomes(starts, spec.rigid_starts)}
     found = {name: best(some) for name, some in ends.items()}
     buoys = {name: buoy_of(name, search, found[name]) for name, search in _searches(spec).items()}
@@ -86,9 +99,8 @@ def run_design_results(
         write_text(f"{folder}/{name}.yaml", text)
     said = {"answer": " ".join(answer(facts).stands), "valid": int(not no_answer(facts))}
     said["facts"] = json.dumps(facts, allow_nan=False)
-    stamps = {"spec": canonical(spec), "spec_id": identity}
-    save(_dataset(buoys).assign_attrs(**said, **stamps), f"{folder}/design.nc")
-    record(manifest, identity, [f"{folder}/{name}" for name in TABLES if not name.endswith(".nc")])
+    save(_dataset(buoys).assign_attrs(**said, **stamp), f"{folder}/design.nc")
+    record(manifest, stamp["spec_id"], [f"{folder}/{name}" for name in TABLES if not name.endswith(".nc")])
 
 
 def _runs(spec: DesignSpec, folder: str) -> dict[str, Any] | None:
@@ -137,7 +149,7 @@ class Known:
     def _of(self, buoy: Buoy) -> PowerParts:
         """The parts of a buoy's errors."""
         if (key := self._key(buoy)) not in self._parts:
-            ordered = self.spec.flexible.climate.form == "spectra"
+            ordered = self.spec.flexible.climate.spectrum == "spectra"
             self._parts[key] = power_parts(buoy, self.climate, [*self.spec.uncertain], ordered=ordered)
         return replace(self._parts[key], truncation=buoy.truncation)
 
@@ -513,3 +525,24 @@ def _dataset(buoys: Mapping[str, Buoy]) -> xr.Dataset:
         },
         coords={"buoy": list(buoys), "quantity": names, "colatitude": np.linspace(0.0, np.pi, SHAPE_POINTS)},
     )
+
+
+# figures and report ---------------------------------------------------------------------------------------------------
+
+
+def run_design_report(spec: DesignSpec, data: str, figures: str, out: str, manifest: str, stamp: Stamp) -> None:
+    """Draw the figures of a design problem and write its report."""
+    identity = stamp["spec_id"]
+    ds = load(data, expected=identity)
+    facts = json.loads(ds.attrs["facts"])
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        every = {name: drawn(figure, name) for name, figure in figures_of(spec, ds)}
+    files = [path for name, one in every.items() for path in one.write(figures, name)]
+    write_text(out, render(facts, {name: one.svg for name, one in every.items()}, identity))
+    record(manifest, identity, [out, *files])
+
+
+def figures_of(spec: DesignSpec, ds: xr.Dataset) -> Iterator[tuple[str, Figure]]:
+    """Draw the figures of a design problem by name."""
+    facts = json.loads(ds.attrs["facts"])
+    yield from ((name, figure_of(name, facts, ds)) for name in figure_names.of_design(spec))

@@ -19,7 +19,7 @@ from vsb.results.year import frequencies, year
 from vsb.stages.check import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.members import in_time, in_words, powers_in_time, swept_shape
-from vsb.stages.stage import stamp
+from vsb.stages.stage import Stamp
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignVerificationSpec
 from vsb.study.study import Study, parse
@@ -29,7 +29,9 @@ GIVEN: Literal["fixed"] = "fixed"
 """Tuning of the runs: each buoy has the damper it was found with."""
 
 
-def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: str, root: str, out: str) -> None:
+def run_design_verification(
+    spec: DesignVerificationSpec, climate: str, starts: str, root: str, out: str, stamp: Stamp
+) -> None:
     """Simulate seas drawn from the year with both buoys and write the gain they say, or why a run failed.
 
     A failure is a result: the search before it took minutes, and its report says what to change.
@@ -39,7 +41,7 @@ def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: 
     except (ConfigError, ConvergenceError, StabilityError) as error:
         said, found = {"failure": str(error).removeprefix("verify: ")}, xr.Dataset()
     said |= {"model": spec.verify.model, "runs": in_words(spec.verify)}
-    save(found.assign_attrs(verified=json.dumps(said), model=spec.verify.model, **stamp(spec)), out)
+    save(found.assign_attrs(verified=json.dumps(said), model=spec.verify.model, **stamp), out)
 
 
 def _followed(spec: DesignVerificationSpec, climate: str, starts: str, root: str) -> tuple[dict[str, Any], xr.Dataset]:

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,8 +28,9 @@ from vsb.models.floating_system import FloatingSystem, floating_system, stored_b
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.report.answer import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
-from vsb.stages.stage import stamp
-from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
+from vsb.stages.stage import Stamp
+from vsb.study.body import AnyStudy
+from vsb.study.specs import AnyPart
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save, write_text
 from vsb.tools.stamps import record
@@ -37,21 +39,23 @@ LONGEST = 60.0
 """Time the kernels of a body are shown for, times the end of its band [rad]."""
 
 
-def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
+def run_radiation(
+    tolerance: float, database: str, out: str, stamp: Stamp, added_mass_inf: Literal["fitted", "given"] | None = None
+) -> None:
     """Fit and store the passive state-space radiation model, with the kernels of each motion by itself to compare."""
-    ds = load_database(database, spec.database)
+    ds = load_database(database, Path(database).stem)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
     own: dict[str, Any] = {}
     repaired: dict[str, Any] = {}
-    if spec.added_mass_inf:
-        fit = stored_body(database).memory(spec.tolerance, limit=spec.added_mass_inf)
+    if added_mass_inf:
+        fit = stored_body(database).memory(tolerance, limit=added_mass_inf)
         memory = Memory(fit.model, fit.error)
         own, repaired = {"added_mass_inf": (PAIR, fit.added_mass_inf)}, {"history": fit.history}
         repaired |= {"up_to": fit.up_to} if fit.up_to < np.inf else {}
         longest = LONGEST / float(ds.omega[-1])
     else:
-        memory = fit_orders(ds, spec.tolerance)
+        memory = fit_orders(ds, tolerance)
         longest = 40 / float(np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])))
     model = memory.model
     time = np.linspace(0.0, longest, 401)
@@ -71,7 +75,7 @@ def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
             },
             coords={"time": time, "omega": ds.omega.values, **dict.fromkeys(PAIR, labels)},
             attrs={
-                **stamp(spec),
+                **stamp,
                 "order": model.order,
                 "fit_error": memory.error,
                 "passivity_margin": least_damping(spectrum, damping),
@@ -126,7 +130,17 @@ BEYOND = 2.0
 """End of the natural frequencies listed of a shell, over the end of the band; a shell may have hundreds above."""
 
 
-def run_response(spec: ResponseSpec, database: str, out: str) -> None:
+def run_response(
+    study: AnyPart,
+    omega: list[float],
+    directions: list[float],
+    database: str,
+    out: str,
+    stamp: Stamp,
+    step: float | None = None,
+    lowest: float | None = None,
+    omega_max: float | None = None,
+) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
@@ -134,46 +148,46 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     every resonance, and the largest and least gain over the rigid design in the first direction. Where waves have
     directions, as of a body, all that depends on them has one more dimension.
     """
-    floating = floating_system(spec, database)
-    if spec.step and spec.lowest and spec.omega_max:
-        omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
+    floating = floating_system(study, database)
+    if step and lowest and omega_max:
+        grid = response.frequency_grid(step, lowest, omega_max, omega)
     else:
-        omega = refined(floating.linear.database.omega.values, spec.omega)
-    omega = with_resonances(spec, floating, omega)
-    if spec.pto.several:
-        found = xr.merge([at_several_ports(spec, floating, omega), natural(spec, floating)])
-        save(found.assign_attrs(port_attributes(spec), **stamp(spec, database)), out)
+        grid = refined(floating.linear.database.omega.values, omega)
+    grid = with_resonances(study, floating, grid)
+    if study.pto.several:
+        found = xr.merge([at_several_ports(study, floating, grid), natural(study, floating)])
+        save(found.assign_attrs(port_attributes(study), **stamp), out)
         return
-    directions = spec.directions or (0.0,)
+    headings = directions or [0.0]
     designs = in_few_motions(floating)
-    if spec.reference_design and len(spec.designs) > 1:
-        omega = with_extremes(partial(best_powers, spec, designs, directions[0]), omega, spec.reference_design)
-    seen = [ports_at(designs, omega, at) for at in directions]
-    headings = [in_waves(spec, floating, designs, at, its) for at, its in zip(directions, seen, strict=True)]
-    waves = headings[0]
-    if spec.directions:
-        waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
-    attrs, reached = port_attributes(spec), floating.channels
+    if study.reference_design and len(study.designs) > 1:
+        grid = with_extremes(partial(best_powers, study, designs, headings[0]), grid, study.reference_design)
+    seen = [ports_at(designs, grid, at) for at in headings]
+    each = [in_waves(study, floating, designs, at, its) for at, its in zip(headings, seen, strict=True)]
+    waves = each[0]
+    if directions:
+        waves = xr.concat(each, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(directions))
+    attrs, reached = port_attributes(study), floating.channels
     if reached > 1:
         attrs["limit"] = f"{reached} λ/2π"
-    found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
-    save(found.assign_attrs(attrs, **stamp(spec, database)), out)
+    found = xr.merge([waves, at_port(study, seen[0], reached), natural(study, floating)])
+    save(found.assign_attrs(attrs, **stamp), out)
 
 
-def port_attributes(spec: ResponseSpec) -> dict[str, str]:
+def port_attributes(study: AnyStudy) -> dict[str, str]:
     """Return what a response says of the take-off."""
-    pto = spec.pto
+    pto = study.pto
     tuned, kind = pto.tuning != "fixed" if pto.several else pto.damping is None, port_kind(pto.port)
     return {"take_off": TAKE_OFF[tuned], "port": canonical(pto.port).strip('"'), "port_kind": kind.load}
 
 
-def at_several_ports(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> xr.Dataset:
+def at_several_ports(study: AnyStudy, floating: FloatingSystem, omega: FloatArray) -> xr.Dataset:
     """Return the response with a damper matrix: the one given, else the best one of each frequency.
 
     `port_impedance` has the dimensions (design, omega, port, port_); the ports of a damper spread over the shell are
     the columns of L, its membrane's stiffness L L^T, by number.
     """
-    pto, water, equation = spec.pto, spec.water, floating.linear.equation(omega)
+    pto, water, equation = study.pto, study.water, floating.linear.equation(omega)
     seen, kind = floating.several_ports(omega), matrix_kind(pto)
     rao, power, best = [], [], []
     for design, ports in seen.items():
@@ -210,9 +224,9 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     return response.with_others(np.array([*extra]), [*between, float(omega[-1])])
 
 
-def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
+def with_resonances(study: AnyStudy, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
-    pto = NO_TAKE_OFF if spec.pto.several else LinearPto(0.0, spec.pto.stiffness, floating.port)
+    pto = NO_TAKE_OFF if study.pto.several else LinearPto(0.0, study.pto.stiffness, floating.port)
     highest = natural_to(floating)
     modes = [replace(floating.linear, pto=pto).natural_modes(each, highest) for each in floating.motions.values()]
     near = [natural * (1 + ratio * side) for natural, ratio in modes for side in (-1, 0, 1)]
@@ -250,28 +264,28 @@ def ports_at(designs: Mapping[str, DesignMotion], omega: FloatArray, direction: 
 
 
 def best_powers(
-    spec: ResponseSpec, designs: Mapping[str, DesignMotion], direction: float, omega: FloatArray
+    study: AnyStudy, designs: Mapping[str, DesignMotion], direction: float, omega: FloatArray
 ) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
-    best = [port.best_power for port in beside_spring(spec, ports_at(designs, omega, direction)).values()]
-    return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
+    best = [port.best_power for port in beside_spring(study, ports_at(designs, omega, direction)).values()]
+    return xr.DataArray(best, {"design": list(study.designs), "omega": omega}, ("design", "omega"))
 
 
-def beside_spring(spec: ResponseSpec, seen: Mapping[str, Port]) -> dict[str, Port]:
+def beside_spring(study: AnyStudy, seen: Mapping[str, Port]) -> dict[str, Port]:
     """Return what a damper beside the take-off's spring sees of all designs."""
-    spring = spec.pto.stiffness
+    spring = study.pto.stiffness
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
 def in_waves(
-    spec: ResponseSpec,
+    study: AnyStudy,
     floating: FloatingSystem,
     designs: Mapping[str, DesignMotion],
     direction: float,
     seen: Mapping[str, Port],
 ) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
-    pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
+    pto, rao, power, best = study.pto, [], [], beside_spring(study, seen)
     omega = next(iter(seen.values())).omega
     for design, (system, shapes) in designs.items():
         damper = pto.damper(design)
@@ -289,13 +303,13 @@ def in_waves(
             "best_power": (("design", "omega"), np.array([port.best_power for port in best.values()])),
             "matched_power": (("design", "omega"), np.array([port.matched_power for port in seen.values()])),
         },
-        coords={"design": list(spec.designs), "omega": omega, "dof": labels},
+        coords={"design": list(study.designs), "omega": omega, "dof": labels},
     )
 
 
-def at_port(spec: ResponseSpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
+def at_port(study: AnyStudy, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
     """Return what does not depend on where waves come from: impedances, best dampers, the limit of heave alone."""
-    water, best, omega = spec.water, beside_spring(spec, seen), next(iter(seen.values())).omega
+    water, best, omega = study.water, beside_spring(study, seen), next(iter(seen.values())).omega
     limit = [reached * power_limit(w, water.depth, water.density, water.gravity) for w in omega]
     return xr.Dataset(
         {
@@ -303,20 +317,20 @@ def at_port(spec: ResponseSpec, seen: Mapping[str, Port], reached: int) -> xr.Da
             "best_damping": (("design", "omega"), np.array([port.best_damping for port in best.values()])),
             "power_limit": ("omega", limit),
         },
-        coords={"design": list(spec.designs), "omega": omega},
+        coords={"design": list(study.designs), "omega": omega},
     )
 
 
-def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
+def natural(study: AnyStudy, floating: FloatingSystem) -> xr.Dataset:
     """Return wet natural frequencies and damping ratios of all designs; an unrestrained motion has none.
 
     Of a shell those to `natural_to`, and the first above.
     """
     wet: list[tuple[str, float, float]] = []
-    for design in spec.designs:
-        pto = LinearPto(spec.pto.damper(design) or 0.0, spec.pto.stiffness, floating.port)
-        if spec.pto.several:
-            given = given_matrix(spec.pto, design, floating.port.shape[1])
+    for design in study.designs:
+        pto = LinearPto(study.pto.damper(design) or 0.0, study.pto.stiffness, floating.port)
+        if study.pto.several:
+            given = given_matrix(study.pto, design, floating.port.shape[1])
             pto = NO_TAKE_OFF if given is None else LinearPto(given, port=floating.port)
         modes = replace(floating.linear, pto=pto).natural_modes(floating.motions[design], natural_to(floating))
         wet += [(design, float(frequency), float(ratio)) for frequency, ratio in zip(*modes, strict=True)]
@@ -329,9 +343,9 @@ def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str) -> None:
+def run_ladder(study: AnyPart, database: str, out: str, levels: str, manifest: str, stamp: Stamp) -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
-    found = study_ladder(spec, database)
+    found = study_ladder(study, database)
     write_text(out, as_csv(found))
     write_text(levels, json.dumps([level._asdict() for level in found], indent=1, allow_nan=False) + "\n")
-    record(manifest, stamp(spec, database)["spec_id"], [out, levels])
+    record(manifest, stamp["spec_id"], [out, levels])

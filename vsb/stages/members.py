@@ -18,11 +18,10 @@ from vsb.engine.shell.modes import ModeBasis
 from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.waves.climate import Climate, realised
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
-from vsb.keys.quantities import canonical, content_id
+from vsb.keys.quantities import canonical, content_id, result_id
 from vsb.models.build import Memory, body_memory, radiation_model
 from vsb.models.floating_system import (
     STATED,
-    AnyBody,
     BuoyOfShape,
     Floating,
     SweptShape,
@@ -56,25 +55,36 @@ from vsb.results.verification import (
 from vsb.results.year import bins_of, frequencies
 from vsb.stages.check import read_climate
 from vsb.stages.make import make, solve
-from vsb.stages.stage import stamp
+from vsb.stages.stage import Stamp
 from vsb.stages.water import Blocks, refined
-from vsb.study.body import BodyHydro
-from vsb.study.campaign import CAUSAL, Verify
+from vsb.study.body import AnyStudy, BodyHydro
+from vsb.study.campaign import CAUSAL, ClimateFile, Constrained, Tunings, Verify
 from vsb.study.resolution import COARSEST_SWEEP
-from vsb.study.specs import BodySystem, MemberSpec, MembersSpec, RadiationSpec, VerificationSpec
+from vsb.study.specs import MemberSpec, VerificationSpec, spec_of
 from vsb.study.study import Study
+from vsb.study.vary import Point
 from vsb.tools import packed
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save
 
 
-def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
+def run_members(
+    base: dict[str, Any],
+    points: list[Point],
+    year: ClimateFile,
+    tuning: tuple[Tunings, ...],
+    constrained: Constrained | None,
+    climate: str,
+    folder: str,
+    root: str,
+    out: str,
+) -> None:
     """Write the members of a batch, each to the end of one file as soon as it is finished, then all as netCDF.
 
     Members that are in another file of the folder, of batches that were cut otherwise, are taken from there.
     """
-    batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
-    work = Work(read_climate(spec.climate, climate), spec, root)
+    batch = members(base, points, year, tuning, constrained)
+    work = Work(read_climate(year, climate), tuning, constrained, root)
     stored, own = packed.packs(folder), packed.Pack(Path(folder, f"{Path(out).stem}{packed.SUFFIX}"))
     found = [finished(stored.get(one.id), own, one, work) for one in batch]
     ids = [one.id for one in batch]
@@ -86,7 +96,8 @@ class Work:
     """What the members of a batch have in common."""
 
     climate: Climate
-    spec: MembersSpec
+    tuning: tuple[Tunings, ...]
+    constrained: Constrained | None
     root: str
     _coefficients: dict[tuple[str, ...], Any] = field(default_factory=dict)  # of the last shape or body alone
     _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
@@ -96,15 +107,15 @@ class Work:
         """Return the results of a member."""
         rest, floating = at_rest(one.study, one.spec, self.root, self._coefficients)
         within: YearsWithin | None = None
-        if given := self.spec.constrained:
+        if given := self.constrained:
             from vsb.results.constrained_year import Optima  # compiled
 
             within = Optima(given.seconds, given.seed, self._optima)
-        return member(rest, floating, self.climate, self.spec.tuning, within, self._rigid)
+        return member(rest, floating, self.climate, self.tuning, within, self._rigid)
 
 
 def at_rest(
-    study: Study | AnyBody, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
+    study: AnyStudy, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
 ) -> tuple[Viability, Callable[[], Floating]]:
     """Return which designs of a member are viable, and what floats of these, to be asked for if there are any.
 
@@ -142,7 +153,7 @@ def finished(stored: packed.Pack | None, own: packed.Pack, one: Member, work: Wo
     except DatabaseError as error:
         print(f"{error} It is computed anew.")
     found = work.results(one)
-    found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
+    found.attrs |= {"spec": canonical(spec_of("member", member=one.spec)), "spec_id": one.id}
     own.append(found)
     return found
 
@@ -184,24 +195,23 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
 
 
-def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
+def run_verification(member: VerificationSpec, climate: str, root: str, out: str, stamp: Stamp) -> None:
     """Simulate the seas drawn from a member's year and write what they say about its designs that are viable.
 
     Where a run fails the corrected year has no values, and the attribute `failure` says which run and why.
     """
-    seas, system = read_climate(spec.climate, climate), spec.system
-    study = system if isinstance(system, BodySystem) else spec.simulated
-    (rest, floating), found = at_rest(study, spec, root), xr.Dataset(coords={"design": []})
+    seas, study = read_climate(member.climate, climate), member.study
+    (rest, floating), found = at_rest(study, member, root), xr.Dataset(coords={"design": []})
     failure = ""
     if rest.designs:
         try:
-            found = _of_viable(spec, with_designs(study, rest.designs), floating(), seas, root)
+            found = _of_viable(member, with_designs(study, rest.designs), floating(), seas, root)
         except (ConvergenceError, StabilityError) as error:  # linear theory of this member stands
             failure = str(error)
             print(failure, flush=True)
     found = with_all_designs(found, list(study.designs), study.reference_design)
-    words = {"runs": in_words(spec.verify), "model": spec.verify.model, "failure": failure}
-    save(found.assign_attrs(**words, **stamp(spec)), out)
+    words = {"runs": in_words(member.verify), "model": member.verify.model, "failure": failure}
+    save(found.assign_attrs(**words, **stamp), out)
 
 
 def in_words(verify: Verify) -> str:
@@ -210,9 +220,7 @@ def in_words(verify: Verify) -> str:
     return f"{verify.seas} seas, {model}, {means} after a start-up of at least {STARTUP:g}"
 
 
-def _of_viable(
-    spec: VerificationSpec, study: Study | AnyBody, floating: Floating, seas: Climate, root: str
-) -> xr.Dataset:
+def _of_viable(spec: VerificationSpec, study: AnyStudy, floating: Floating, seas: Climate, root: str) -> xr.Dataset:
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning in ("fixed", "one", "each", CAUSAL)  # the others are of no law in time
@@ -226,13 +234,13 @@ def _of_viable(
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
-    designs = in_time(spec.simulated, root) if spec.buoy else bodies_in_time(spec, root)
+    designs = in_time(spec.study.buoy, root) if spec.study.buoy else bodies_in_time(spec, root)
     some = {design: designs[design] for design in study.designs}
     if tuning == CAUSAL:
         equipped = under_schedules(seas, by_bin, some)
-        powers = runs_in_time(seas, sample, list(some), equipped, spec.simulation, spec.verify.model)
+        powers = runs_in_time(seas, sample, list(some), equipped, spec.study.simulation, spec.verify.model)
     else:
-        powers = powers_in_time(seas, dampers, sample, some, spec.simulation, spec.verify.model)
+        powers = powers_in_time(seas, dampers, sample, some, spec.study.simulation, spec.verify.model)
     return verified_dataset(year, tuning, verified(year, tuning, sample, *powers))
 
 
@@ -252,11 +260,11 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
 
 def bodies_in_time(spec: VerificationSpec, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a body ready for any sea, without a damper yet, from its database and radiation memory."""
-    (database,), hydro, pto = spec.sweep, spec.hydro, spec.pto
+    (database,), hydro, pto = spec.sweep, spec.study.hydro, spec.study.pto
     assert isinstance(hydro, BodyHydro)
-    memory = RadiationSpec(database=database, tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf)
-    radiation = body_memory(radiation_path(root, content_id(memory)))
-    floating = floating_system(spec, database_path(root, database))
+    memory = spec_of("radiation", tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf)
+    radiation = body_memory(radiation_path(root, result_id(memory, database)))
+    floating = floating_system(spec.study, database_path(root, database))
     linear, take_off = floating.towards(spec.climate.direction), LinearPto(0.0, pto.stiffness, floating.port)
     return {
         design: DesignInTime(linear, None, radiation, motions, take_off, pto)

@@ -16,7 +16,7 @@ from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.pipeline.graph import StudyPlan
 from vsb.study.resolution import no_witness
-from vsb.study.specs import PanelsSpec
+from vsb.study.specs import PanelsBlock
 from vsb.study.study import Study
 from vsb.tools.files import load
 
@@ -91,7 +91,7 @@ def _bem_lines(plan: StudyPlan) -> list[str]:
     todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
     how = f"spectral, to {study.hydro.tolerance:g}"
     if study.uses_panels:  # the finest mesh
-        finest = [block.mesh for block in blocks if isinstance(block, PanelsSpec)][-1]
+        finest = [block.mesh for block in blocks if isinstance(block, PanelsBlock)][-1]
         how = f"{finest.rows} rows of {finest.azimuth} panels"
     seconds = sum(block_seconds(block) for block in todo)
     return [
@@ -133,10 +133,10 @@ def _witness_words(plan: StudyPlan) -> str:
     """What a second solver would be asked, and how long both would take."""
     if not (deformed := plan.deformed) or not (witness := plan.witness):
         return f"none: {no_witness(plan.study)}"
-    shapes, rows = len(deformed.makes), deformed.spec.rows
+    shapes, rows = len(deformed.makes), deformed.spec["shapes"].rows
     there = Path(witness.out).exists()
     seconds = "there" if there else f"about {shapes * WITNESS_ROW2_SECONDS * rows**2:.0f} s on one core"
-    work = f"{shapes} shapes at {len(witness.spec.omega)} frequencies"
+    work = f"{shapes} shapes at {len(witness.spec['omega'])} frequencies"
     return f"{work}, by panels in {rows} rows and by the spectral solver: {seconds}"
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan
 from vsb.report.canvas import for_print
-from vsb.stages import campaign, design_report, report
+from vsb.stages import campaign, design_results, report
 from vsb.stages.check import read_climate
 from vsb.stages.stored import Inputs
 from vsb.tools.files import atomic_write, load
@@ -40,8 +40,8 @@ def _figures(plan: Plan) -> Iterator[tuple[str, Figure]]:
     """Figures by name."""
     if isinstance(plan, CampaignPlan):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
-        return campaign.figures_of(plan.campaign.spec, load(plan.data_path, expected=plan.campaign.id), seas)
+        return campaign.figures_of(plan.campaign.spec["spec"], load(plan.data_path, expected=plan.campaign.id), seas)
     if isinstance(plan, DesignPlan):
-        return design_report.figures_of(plan.design.spec, load(plan.data_path, expected=plan.design.id))
+        return design_results.figures_of(plan.design.spec["spec"], load(plan.data_path, expected=plan.design.id))
     files = {name: one.out for name, one in plan.solved.items()} | ({"modes": plan.modes.out} if plan.modes else {})
     return report.figures_of(Inputs(plan.study, f"{plan.folder}/trajectories", files))

@@ -79,19 +79,17 @@ from vsb.stages.stored import Inputs
 from vsb.study import figure_names
 from vsb.study.body import CONTENTS, AnyStudy
 from vsb.study.resolution import no_witness
-from vsb.study.specs import CompareSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 
 
-def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
+def run_compare(compared: AnyStudy, trajectories: str, **files: str) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
-    compared = spec.study
     found = Inputs(compared, trajectories, files)
     buoy = compared.buoy
     reference = reference_shell(buoy) if buoy else None

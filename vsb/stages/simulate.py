@@ -18,8 +18,9 @@ from vsb.engine.waves.sampling import relative_error
 from vsb.engine.waves.seas import FEW
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.models.build import STEADY, DesignInSea, design_in_sea
-from vsb.stages.stage import stamp
-from vsb.study.specs import SimulateSpec
+from vsb.stages.stage import Stamp
+from vsb.study.body import AnyStudy
+from vsb.study.specs import Run
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 
@@ -27,15 +28,16 @@ UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""
 
 
-def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
+def run_simulate(run: Run, out: str, stamp: Stamp, database: str = "", radiation: str = "") -> None:
     """Simulate one design in one sea and write its trajectory."""
-    (design,), (wave,) = spec.designs, spec.waves
-    made = design_in_sea(spec, {"database": database, "radiation": radiation})
+    study = run.study
+    (design,), (wave,) = study.designs, study.waves
+    made = design_in_sea(run, {"database": database, "radiation": radiation})
     scene, waves, system = made.scene, made.sea, made.system
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
-    for leg in legs(system, waves, spec.simulation, made.spectrum):
-        record = recorded(system, leg, waves if database else None, spec.simulation.window)
+    for leg in legs(system, waves, study.simulation, made.spectrum):
+        record = recorded(system, leg, waves if database else None, study.simulation.window)
         record = with_enclosed(record, made.shape, made.orders) if made.shape else with_stroke(record, made)
         records.append(record.isel(time=slice(1 if records else 0, None)))
         drift = constraint_drift(leg.motion.position @ scene.motions.T, made.held)
@@ -43,14 +45,14 @@ def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: st
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
-    attrs["port_kind"] = port_kind(spec.pto.port).load
-    attrs |= {"seconds": sum(seconds), **made.notes, **stamp(spec, database, radiation)}
+    attrs["port_kind"] = port_kind(study.pto.port).load
+    attrs |= {"seconds": sum(seconds), **made.notes, **stamp}
     if scene.water and len(waves.omega) > FEW:
-        attrs["wave_sampling_error"] = relative_error(float(waves.omega.max()), spec.simulation.duration)
+        attrs["wave_sampling_error"] = relative_error(float(waves.omega.max()), study.simulation.duration)
     if wave.regular:
-        attrs |= _steady(system) if not spec.pto.of_package else {"no_steady_state": "the law may depend on time"}
+        attrs |= _steady(system) if not study.pto.of_package else {"no_steady_state": "the law may depend on time"}
     if made.held.size:
-        attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, made.held))
+        attrs["constraint_drift"] = max(*drifts, _linear_drift(study, system, made.held))
     save(xr.concat(records, "time").assign_attrs(attrs), out)
 
 
@@ -110,10 +112,10 @@ def _settled(system: System) -> dict[str, float | str]:
     return {"steady_power": power, "steady_difference": difference}
 
 
-def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
+def _linear_drift(study: AnyStudy, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
-    if not system.linear or spec.waves[0].still:
+    if not system.linear or study.waves[0].still:
         return 0.0
-    time = np.linspace(0.0, 1e4 * 2 * np.pi / spec.waves[0].omega, 20_001)
-    start = system.scene.start(spec.simulation.initial_position, spec.simulation.initial_velocity)
+    time = np.linspace(0.0, 1e4 * 2 * np.pi / study.waves[0].omega, 20_001)
+    start = system.scene.start(study.simulation.initial_position, study.simulation.initial_velocity)
     return constraint_drift(propagate(system, time, start).position @ system.scene.motions.T, clamps)

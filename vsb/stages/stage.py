@@ -4,6 +4,7 @@ A task's `stage` is a function `run_STAGE` of a module here.
 """
 
 import importlib
+import inspect
 import json
 import multiprocessing
 import os
@@ -23,15 +24,17 @@ import psutil
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError, VsbError
-from vsb.keys.quantities import canonical, id_in, result_id
+from vsb.keys.quantities import canonical, id_in
 from vsb.keys.reading import one_line
 from vsb.pipeline.graph import STAGES, Task
 from vsb.pipeline.jobs import longest_chains
-from vsb.study.specs import Spec
+from vsb.study.specs import PHYSICS
 from vsb.tools import files
 from vsb.tools.stamps import check_product, faults, read_manifest
 
 GIVEN = "standard input"
+Stamp = dict[str, str]
+"""Attributes of a netCDF file: `spec`, what it was made from as text, and `spec_id`, its id."""
 
 
 def function_of(stage: str) -> Any:
@@ -40,18 +43,33 @@ def function_of(stage: str) -> Any:
 
 
 def run_task(task: Task) -> None:
-    """Run the stage of a task on its specification as text, as a job reads it: both give the same numbers."""
-    run, spec = function_of(task.stage), json.loads(canonical(task.spec))
-    run(*([specification(run, spec)] if spec is not None else []), **task.files)
-
-
-def specification(run: Any, raw: Any) -> Any:
-    """Return what a stage computes from, of the type of the first parameter of its function; raises `ConfigError`."""
-    kind = next(iter(get_type_hints(run).values()))
+    """Run the stage of a task on what it reads as text, as a job has it: both give the same numbers."""
+    run, text = function_of(task.stage), canonical(task.spec)
+    stamps = {"stamp": {"spec": text, "spec_id": task.id}} if "stamp" in get_type_hints(run) else {}
+    given = read_of(task.stage, json.loads(text)) | {**task.files, **stamps}
     try:
-        return TypeAdapter(kind).validate_python(raw)
+        inspect.signature(run).bind(**given)
+    except TypeError as error:
+        raise ConfigError(f"{GIVEN}: {task.stage}: {error}; run vsb run CONFIG again") from None
+    run(**given)
+
+
+def read_of(stage: str, spec: dict[str, Any]) -> dict[str, Any]:
+    """Return what a stage reads of a study by parameter of its function, from JSON; raises `ConfigError`."""
+    tag, hints = STAGES[stage].tag or stage, get_type_hints(function_of(stage), include_extras=True)
+    given = {"stage": tag, "physics": PHYSICS.get(tag), "versions": {}} | spec
+    given.pop("versions")
+    for key, value in (("stage", tag), ("physics", PHYSICS.get(tag))):
+        if (received := given.pop(key)) != value:
+            raise ConfigError(
+                f"{GIVEN}: {key} {received!r}: needs {value!r}, of this version; run vsb run CONFIG again"
+            )
+    if unknown := [*given.keys() - hints.keys()]:
+        raise ConfigError(f"{GIVEN}: {unknown[0]}: is nothing that {stage} reads; run vsb run CONFIG again")
+    try:
+        return {name: TypeAdapter(hints[name]).validate_python(value) for name, value in given.items()}
     except ValidationError as error:
-        raise ConfigError(f"{GIVEN}: {one_line(error, raw)}") from None
+        raise ConfigError(f"{GIVEN}: {one_line(error, given)}") from None
 
 
 def run_job(rule: str, text: str) -> None:
@@ -62,7 +80,7 @@ def run_job(rule: str, text: str) -> None:
     for task in read_tasks(text):
         if is_finished(task):
             continue
-        tag = task.spec.get("stage", task.stage) if task.spec else task.stage
+        tag = STAGES[task.stage].tag or task.stage
         for path in filter(None, (*task.makes, task.files.get("manifest"))):
             check_product(path, rule, tag)
         run_task(task)
@@ -96,12 +114,6 @@ def is_finished(task: Task) -> bool:
         return True
     manifest = read_manifest(task.files["manifest"]) if "manifest" in task.files else {}
     return not faults(dict.fromkeys(task.makes, task.id), manifest)
-
-
-def stamp(spec: Spec, *inputs: str) -> dict[str, str]:
-    """Return the stamp of a netCDF file: its specification, and its id by that and the ids its inputs are named by."""
-    ids = [Path(path).stem for path in inputs if path]
-    return {"spec": canonical(spec), "spec_id": result_id(spec, *ids)}
 
 
 # locks: one run at a time of a study, and of what makes a file that studies share -------------------------------------

@@ -5,7 +5,7 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -23,11 +23,10 @@ from vsb.engine.shell.modes import Mode
 from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
-from vsb.keys.quantities import content_id
 from vsb.models.rest import check_stable, mooring_stiffness, order_bases, order_stiffness, reference_shell
-from vsb.stages.stage import stamp
+from vsb.stages.stage import Stamp
 from vsb.study.resolution import COARSEST_SWEEP
-from vsb.study.specs import DatabaseSpec, DisplaySpec, LoadedShape, ModesSpec, SpectralSpec
+from vsb.study.specs import BuoyPart, SpectralBlock
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save
@@ -40,14 +39,14 @@ ORDER = "order"
 """Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
 
 
-def run_modes(spec: ModesSpec, out: str) -> None:
+def run_modes(study: BuoyPart, out: str, stamp: Stamp) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
-    reference = reference_shell(spec)
-    check_stable(spec, reference)
-    save(shell_modes(spec, reference).assign_attrs(basis=spec.modes.basis, **stamp(spec)), out)
+    reference = reference_shell(study)
+    check_stable(study, reference)
+    save(shell_modes(study, reference).assign_attrs(basis=study.modes.basis, **stamp), out)
 
 
-def shell_modes(study: Study | ModesSpec, reference: ReferenceShell) -> xr.Dataset:
+def shell_modes(study: Study, reference: ReferenceShell) -> xr.Dataset:
     """Return shapes, degrees, dry frequencies and amplitudes at rest of the shell modes, in the plane of the waves."""
     orders = [basis for basis in order_bases(study, reference.basis) if not basis.odd]  # the odd ones are these, turned
     heaving = reference.basis
@@ -82,12 +81,12 @@ def _shapes(
     )
 
 
-def run_display(spec: DisplaySpec, out: str, manifest: str) -> None:
+def run_display(study: BuoyPart, out: str, manifest: str, stamp: Stamp) -> None:
     """Write the mean wetted shell, and one deformed shell per mode and sign, into a folder."""
-    shapes = display_shapes(reference_shell(spec).shape)
+    shapes = display_shapes(reference_shell(study).shape)
     for name, shape in shapes.items():
         write_wet_shell(shape, f"{out}/{name}.vtu")
-    record(manifest, content_id(spec), [f"{out}/{name}.vtu" for name in shapes])
+    record(manifest, stamp["spec_id"], [f"{out}/{name}.vtu" for name in shapes])
 
 
 REFINED = (0.1, 0.01)
@@ -104,43 +103,43 @@ FILM = 1e-4
 """Thickness of a shell that moves as a whole, of no consequence, in radii."""
 
 
-def run_spectral(spec: SpectralSpec, out: str) -> None:
+def run_spectral(block: SpectralBlock, out: str, stamp: Stamp) -> None:
     """Solve one block of frequencies, as finely as the tolerance needs."""
-    solved = _solved(spec)
-    save(solved.assign_attrs(**geometry_errors(spec), **stamp(spec)), out)
+    solved = _solved(block)
+    save(solved.assign_attrs(**geometry_errors(block), **stamp), out)
 
 
-def _solved(spec: SpectralSpec, share: float = 1.0) -> xr.Dataset:
+def _solved(block: SpectralBlock, share: float = 1.0) -> xr.Dataset:
     """A block solved to a share of its tolerances, with its `seconds`."""
-    begun, problem, omega = clock.perf_counter(), spectral_problem(spec), list(spec.omega)
-    if spec.interpolation:
-        found = converged_on_grid(problem, omega, share * spec.tolerance, share * spec.interpolation)
+    begun, problem, omega = clock.perf_counter(), spectral_problem(block), list(block.omega)
+    if block.interpolation:
+        found = converged_on_grid(problem, omega, share * block.tolerance, share * block.interpolation)
     else:
-        found = converged(problem, omega, share * spec.tolerance)
+        found = converged(problem, omega, share * block.tolerance)
     return found.assign_attrs(seconds=clock.perf_counter() - begun)
 
 
-def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
+def spectral_problem(block: SpectralBlock) -> SpectralProblem:
     """Return the problem of a block: the shape at rest and its displacements."""
-    shape, water = spec.shape, spec.water
-    if isinstance(shape, LoadedShape):
+    shape, water = block.shape, block.water
+    if isinstance(shape, Study):
         shell = reference_shell(shape).shape
     else:
         rest = shape.shape.meridian(shape.radius) if shape.shape else None
         shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
-    moved = displacements(spec.displacements, spec.order)
+    moved = displacements(block.displacements, block.order)
     return SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
 
 
-def geometry_errors(spec: SpectralSpec) -> dict[str, object]:
+def geometry_errors(block: SpectralBlock) -> dict[str, object]:
     """Return relative errors of the coefficients of heave by what a profile's points leave open, as attributes.
 
     Twice the difference of two curves through the points at the same displacement: of a capsule by 9 to 42 points it
     was 1.1 to 22 times the error of the spline, coefficient by coefficient. Nothing of other shapes.
     """
-    shape, water = spec.shape, spec.water
-    given = shape.device.shape if isinstance(shape, LoadedShape) else shape.shape
-    if given is None or given.profile is None or spec.order:
+    shape, water = block.shape, block.water
+    given = shape.device.shape if isinstance(shape, Study) else shape.shape
+    if given is None or given.profile is None or block.order:
         return {}
     rest = given.meridian(shape.radius)
     volume = rest.volume_below(-shape.centre_height)
@@ -157,39 +156,49 @@ def geometry_errors(spec: SpectralSpec) -> dict[str, object]:
     return {AT_GEOMETRY: omega} | dict(zip(OF_GEOMETRY.values(), (each.tolist() for each in errors), strict=True))
 
 
-def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
+def run_database(
+    study: BuoyPart,
+    sweep: list[str],
+    tabulated: list[str],
+    omega_max: float,
+    tolerance: float,
+    accept: list[str],
+    blocks: str,
+    out: str,
+    stamp: Stamp,
+) -> None:
     """Merge the blocks in a folder, express them in the modes, check them, and store them with their verdict.
 
     Raises `DatabaseError` if a block is missing or foreign, or a check fails that the study does not accept.
     """
-    water = spec.water
-    found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec.sweep, *spec.tabulated)}
-    solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
-    precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
-    reference = reference_shell(spec)
-    families = order_bases(spec, reference.basis)
+    water = study.water
+    found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*sweep, *tabulated)}
+    solver = str(_asked(next(iter(found.values())))["solver"])
+    precision = min(1.0, tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
+    reference = reference_shell(study)
+    families = order_bases(study, reference.basis)
 
     def in_modes(blocks: Blocks) -> tuple[tuple[list[_Part], list[xr.Dataset], list[xr.Dataset] | None], list[Check]]:
-        parts = [_Part(spec, reference, blocks, basis) for basis in (None, *(one for one in families if not one.odd))]
-        swept = [part.in_modes(spec.sweep) for part in parts]
-        infinite = [name for name in spec.sweep if "omega" not in blocks[name].dims]
-        asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
-        checks = quality.estimate_checks([block.attrs for block in blocks.values()], spec.tolerance)
+        parts = [_Part(study, reference, blocks, basis) for basis in (None, *(one for one in families if not one.odd))]
+        swept = [part.in_modes(sweep) for part in parts]
+        infinite = [name for name in sweep if "omega" not in blocks[name].dims]
+        asked = [part.in_modes([*tabulated, *infinite]) for part in parts] if tabulated else None
+        checks = quality.estimate_checks([block.attrs for block in blocks.values()], tolerance)
         for i, part in enumerate(parts):
             checks += part.verdict(swept[i], asked[i] if asked else None, precision)
         return (parts, swept, asked), checks
 
-    (parts, swept, asked), checks, history = refined(found, in_modes, spec.accept)
+    (parts, swept, asked), checks, history = refined(found, in_modes, accept)
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
-        **stamp(spec),
-        "quality": database.as_json(quality.judged(checks, spec.accept)),
-        "radius": spec.device.radius,
-        **_at_rest(spec),
-        "centre_height": spec.centre_height,
-        "basis": spec.modes.basis if spec.modes else "rigid",
-        "degree": spec.modes.max_degree if spec.modes else 1,
+        **stamp,
+        "quality": database.as_json(quality.judged(checks, accept)),
+        "radius": study.radius,
+        **_at_rest(study),
+        "centre_height": study.centre_height,
+        "basis": study.modes.basis if study.flexible else "rigid",
+        "degree": study.modes.max_degree if study.flexible else 1,
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,
@@ -197,13 +206,13 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
         **{name: value for block in found.values() for name, value in block.attrs.items() if name in _GEOMETRY},
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
-    everywhere = _whole(spec, parts, swept, families)
+    everywhere = _whole(study, parts, swept, families)
     if asked is None:
-        kept = with_history(everywhere.sel(omega=slice(None, spec.omega_max + 1e-9)), *history)
+        kept = with_history(everywhere.sel(omega=slice(None, omega_max + 1e-9)), *history)
         database.save_database(kept.assign_attrs(kept.attrs, **attrs), None, out)
     else:
-        tabulated = with_history(_whole(spec, parts, asked, families), *history)
-        database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
+        asked_for = with_history(_whole(study, parts, asked, families), *history)
+        database.save_database(asked_for.assign_attrs(asked_for.attrs, **attrs), everywhere, out)
 
 
 Blocks = Mapping[str, xr.Dataset]
@@ -237,23 +246,23 @@ def refined(
 
 def _solved_again(block: xr.Dataset, share: float) -> xr.Dataset:
     """A block solved again to a share of its tolerances; `ConvergenceError` where its solver does not reach it."""
-    raw = json.loads(block.attrs["spec"])
+    raw = _asked(block)
     if raw["solver"] != "spectral":
         raise ConvergenceError("panels: solved again they need another mesh")
-    solved = _solved(SpectralSpec.model_validate(raw), share)
+    solved = _solved(SpectralBlock.model_validate(raw), share)
     stamps = {key: block.attrs[key] for key in ("spec", "spec_id")}
     return solved.assign_attrs(**stamps, seconds=block.attrs["seconds"] + solved.attrs["seconds"])
 
 
-def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
+def _at_rest(study: Study) -> dict[str, object]:
     """Volume and centres of a shape that is not a sphere, for other codes."""
-    if (rest := spec.device.meridian) is None:
+    if (rest := study.device.meridian) is None:
         return {}
-    height = spec.centre_height
+    height = study.centre_height
     return {
         "displaced_volume": rest.volume_below(-height),
         "centre_of_buoyancy": [0.0, 0.0, height + rest.centroid_below(-height)],
-        "centre_of_mass": [0.0, 0.0, height + (spec.device.centre_of_mass or 0.0)],
+        "centre_of_mass": [0.0, 0.0, height + (study.device.centre_of_mass or 0.0)],
     }
 
 
@@ -261,7 +270,7 @@ def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
 class _Part:
     """The degrees of freedom of one azimuthal order, from blocks to the database."""
 
-    spec: DatabaseSpec
+    study: Study
     reference: ReferenceShell
     found: Blocks
     basis: OrderBasis | None = None  # of order m >= 1; none: heave and axisymmetric modes
@@ -273,7 +282,7 @@ class _Part:
 
     def in_modes(self, ids: Sequence[str]) -> xr.Dataset:
         """Coefficients of blocks, those of other orders left out."""
-        own = [name for name in ids if json.loads(self.found[name].attrs["spec"]).get("order", 0) == self.order]
+        own = [name for name in ids if _asked(self.found[name])["order"] == self.order]
         merged = database.merged_blocks([self.found[name] for name in own])
         moved = (
             orders.in_order_modes(merged, self.basis) if self.basis else database.in_modes(merged, self.reference.basis)
@@ -288,19 +297,19 @@ class _Part:
             for part in (swept, asked)
         )
         assert wet is not None
-        return quality.verdict(wet, tabulated, self.spec.water, precision, self.order)
+        return quality.verdict(wet, tabulated, self.study.water, precision, self.order)
 
     def complete(self, raw: xr.Dataset) -> xr.Dataset:
         """Coefficients made symmetric, with the structure; those of orders m >= 1 also passive at all frequencies."""
-        water, even = self.spec.water, database.with_symmetrized(raw)
+        water, even = self.study.water, database.with_symmetrized(raw)
         if not self.basis:
             return database.with_structure(even, self.reference)
         passive = orders.with_haskind_damping(even, self.order, water.depth, water.density, water.gravity)
-        return orders.with_order_structure(passive, self.basis, order_stiffness(self.spec, self.basis, self.reference))
+        return orders.with_order_structure(passive, self.basis, order_stiffness(self.study, self.basis, self.reference))
 
 
 def _whole(
-    spec: DatabaseSpec, parts: Sequence[_Part], raw: Sequence[xr.Dataset], families: Sequence[OrderBasis]
+    study: Study, parts: Sequence[_Part], raw: Sequence[xr.Dataset], families: Sequence[OrderBasis]
 ) -> xr.Dataset:
     """All orders side by side, sines the same as their cosines, and what moors them."""
     complete = {part.order: part.complete(one) for part, one in zip(parts, raw, strict=True)}
@@ -309,21 +318,25 @@ def _whole(
     signed, going = [0, *(one.signed for one in families)], orders.headings([one.signed for one in families])
     own = [
         complete[0],
-        *(complete[one.order] if not one.odd else _odd(spec, parts[0].reference, one, complete) for one in families),
+        *(complete[one.order] if not one.odd else _odd(study, parts[0].reference, one, complete) for one in families),
     ]
     turned = own if len(going) == 1 else [orders.in_headings(*one, going) for one in zip(own, signed, strict=True)]
     whole = orders.side_by_side(turned, signed)
-    mooring = mooring_stiffness(spec, tuple(map(str, whole.influenced_dof.values)))
+    mooring = mooring_stiffness(study, tuple(map(str, whole.influenced_dof.values)))
     return whole.assign({f"{name}_stiffness": (PAIR, matrix) for name, matrix in mooring.items()})
 
 
-def _odd(
-    spec: DatabaseSpec, reference: ReferenceShell, basis: OrderBasis, complete: Mapping[int, xr.Dataset]
-) -> xr.Dataset:
+def _odd(study: Study, reference: ReferenceShell, basis: OrderBasis, complete: Mapping[int, xr.Dataset]) -> xr.Dataset:
     """Motions of an odd family, in the waves that excite them most: as the even ones, turned; yaw moves no water."""
     like = complete[basis.order]
     part = orders.renamed(like, basis.labels) if basis.order else orders.still_part(like, basis)
-    return orders.with_order_structure(part, basis, order_stiffness(spec, basis, reference))
+    return orders.with_order_structure(part, basis, order_stiffness(study, basis, reference))
+
+
+def _asked(block: xr.Dataset) -> dict[str, Any]:
+    """What a block was solved for."""
+    asked: dict[str, Any] = json.loads(block.attrs["spec"])["block"]
+    return asked
 
 
 def _block(path: str, name: str) -> xr.Dataset:

@@ -5,7 +5,7 @@ Imports nothing heavy: the Snakefile reads a campaign at every parse.
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
@@ -71,31 +71,35 @@ MOST_VERIFIED = 500
 class YearOfSeas(Section):
     """Where the seas of a year are from; all go in one direction [degrees], which matters to a body alone."""
 
+    FILE: ClassVar[str]  # key of the file
     direction: Annotated[Number, Field(ge=-360, le=360)] = 0.0
+
+    @property
+    def file(self) -> str:
+        """The file, as it is named."""
+        return str(getattr(self, self.FILE))
+
+    def of_contents(self, digest: str) -> Self:
+        """Return the same, the file named by what it holds."""
+        return self.model_copy(update={self.FILE: digest})
 
 
 class Spectra(YearOfSeas):
     """Spectra: NDBC's text, plain or gz, SWAN's text, or netCDF."""
 
+    FILE = "spectra"
     spectra: str
-
-    @property
-    def file(self) -> str:
-        """The file, as it is named."""
-        return self.spectra
+    spectrum: ClassVar[Literal["spectra"]] = "spectra"  # its own
+    gamma: ClassVar[float] = 1.0
 
 
 class Scatter(YearOfSeas):
     """Table of occurrences over significant height and period, each cell a spectrum of one form."""
 
+    FILE = "scatter"
     scatter: str
     spectrum: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
-
-    @property
-    def file(self) -> str:
-        """The file, as it is named."""
-        return self.scatter
 
 
 def _climate_kind(value: object) -> str:

@@ -14,25 +14,14 @@ from vsb.engine.motion.take_off import (
     ShellPort,
     StrainPort,
 )
+from vsb.engine.shell.device import StructuralDamping
 from vsb.errors import ConfigError
 from vsb.keys.quantities import content_id
-from vsb.study.sections import DEGREES, Modes
-from vsb.study.specs import (
-    AnyBuoy,
-    DeformedSpec,
-    LoadedMesh,
-    LoadedShape,
-    PanelsSpec,
-    Rows,
-    Shapes,
-    SpectralSpec,
-    Sphere,
-    SphereMesh,
-    WitnessSpec,
-)
+from vsb.study.sections import DEGREES, Design
+from vsb.study.specs import DeformedMeshes, Mesh, PanelsBlock, Rows, Shapes, SpectralBlock, Sphere, spec_of
 from vsb.study.study import CLEARANCE, Study
 
-BlockSpec = PanelsSpec | SpectralSpec
+AnyBlock = PanelsBlock | SpectralBlock
 BLOCK = 32
 """Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores.
 
@@ -60,6 +49,11 @@ FEWEST_LID_ROWS = 16
 
 
 ROWS_PER_HALF_WAVE = 6
+
+
+def block_id(block: AnyBlock) -> str:
+    """Return the content id of a block of frequencies."""
+    return content_id(spec_of("block", block=block))
 
 
 def frequency_step(radius: float, gravity: float) -> float:
@@ -137,19 +131,23 @@ class HydroPlan:
         return 2 * math.pi * self.study.water.gravity / omega**2
 
     @property
-    def shape(self) -> Sphere | LoadedShape:
+    def shape(self) -> Sphere | Study:
         """Mean wetted shape: of the sphere, or of what its load makes of it at rest."""
         study, radius, height = self.study, self.study.device.radius, self.study.centre_height
         if not study.rests_deformed:
             return Sphere(radius=radius, centre_height=height, shape=study.device.shape)
-        return LoadedShape(
-            radius=radius,
-            centre_height=height,
-            device=study.device,
-            modes=study.modes.without_tolerance,
-            water=study.water,
-            reference_shape=study.reference_shape,
-        )
+        at_rest = {
+            "device": study.device.model_copy(update={"damping": StructuralDamping()}),
+            "water": study.water.model_copy(update={"depth": math.inf}),
+        }
+        return self.shell(**at_rest)
+
+    def shell(self, *names: str, **changed: Any) -> Study:
+        """Return what of the study its shell at rest follows from, for all its designs; and further sections."""
+        parts: dict[str, Any] = {"designs": {"any": Design(flexible=self.study.flexible)}}
+        if self.study.flexible:
+            parts["modes"] = self.study.modes.without_tolerance
+        return self.study.only("device", "water", "reference_shape", *names, **parts | changed)
 
     def displacements(self, order: int = 0) -> tuple[str, ...]:
         """Displacements of an order solved for: the sphere knows radial ones alone, its heave and surge degree 1 alone.
@@ -164,19 +162,13 @@ class HydroPlan:
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
         return (*radial, *meridional) if self.study.rests_deformed or shaped else radial
 
-    def mesh(self, omega: float) -> SphereMesh | LoadedMesh:
+    def mesh(self, omega: float) -> Mesh:
         """Spec of the mesh that serves frequencies up to omega."""
-        parts = {**dict(self.shape), **dict(self.resolution(omega))}
-        return LoadedMesh(**parts) if self.study.rests_deformed else SphereMesh(**parts)
-
-    @property
-    def _modes(self) -> Modes | None:
-        """The mode section, if any design is flexible."""
-        return self.study.modes.without_tolerance if self.study.flexible else None
+        return Mesh(shape=self.shape, **dict(self.resolution(omega)))
 
     def _block(
         self, omega: list[float], highest: float, interpolation: float | None = None, order: int = 0
-    ) -> BlockSpec:
+    ) -> AnyBlock:
         """Spec of one BEM job; of a sweep with the tolerance of interpolation, which lets it leave frequencies out."""
         asked: dict[str, Any] = {
             "water": self.study.water,
@@ -186,8 +178,8 @@ class HydroPlan:
             "order": order,
         }
         if self.study.uses_panels:
-            return PanelsSpec(solver=panel_solver(), mesh=self.mesh(highest), **asked)
-        return SpectralSpec(solver="spectral", shape=self.shape, tolerance=self.study.hydro.tolerance, **asked)
+            return PanelsBlock(solver=panel_solver(), mesh=self.mesh(highest), **asked)
+        return SpectralBlock(solver="spectral", shape=self.shape, tolerance=self.study.hydro.tolerance, **asked)
 
     @property
     def refinement(self) -> int:
@@ -266,7 +258,7 @@ class HydroPlan:
         return self._grid(last, last)[0]
 
     @cached_property
-    def sweep_blocks(self) -> list[BlockSpec]:
+    def sweep_blocks(self) -> list[AnyBlock]:
         """Blocks of the absolute grid that cover (0, omega_max].
 
         Of each is solved what interpolation to half the tolerance needs; the other half is left for the splines through
@@ -289,7 +281,7 @@ class HydroPlan:
         return float(min(block.omega[0] for block in self.sweep_blocks))
 
     @cached_property
-    def tabulated_blocks(self) -> list[BlockSpec]:
+    def tabulated_blocks(self) -> list[AnyBlock]:
         """Blocks of the frequencies the study asks to tabulate, if it does."""
         omega = self.study.hydro.omega
         if self.study.uses_panels and omega and omega[0] < self.lowest_omega:
@@ -302,10 +294,10 @@ class HydroPlan:
         return [self._block(chunk, chunk[-1], order=order) for order in self.study.orders for chunk in chunks]
 
     @property
-    def bem_blocks(self) -> dict[str, BlockSpec]:
+    def bem_blocks(self) -> dict[str, AnyBlock]:
         """All BEM jobs of the study by content id; none without BEM."""
         blocks = [*self.sweep_blocks, *self.tabulated_blocks] if self.study.needs_bem else []
-        return {content_id(block): block for block in blocks}
+        return {block_id(block): block for block in blocks}
 
     @property
     def mode_labels(self) -> tuple[str, ...]:
@@ -354,25 +346,29 @@ def no_witness(study: Study) -> str:
     return ""
 
 
-def witness_spec(plan: HydroPlan) -> WitnessSpec:
-    """Return what is asked of both solvers."""
+def witness_meshes(plan: HydroPlan) -> DeformedMeshes:
+    """Return the shapes both solvers are asked about, and the rows of panels on them."""
     study, device, water, shape = plan.study, plan.study.device, plan.study.water, plan.shape
     lowest = sorted(plan.mode_labels, key=degree)[:MOST_MODES]
     modes = tuple(label for label in plan.mode_labels if label in lowest)
-    if study.flexible and not isinstance(shape, LoadedShape):  # neither stiffness nor density matters to the modes
+    if study.flexible and isinstance(shape, Sphere):  # neither stiffness nor density matters to the modes
         wall = {"thickness": device.thickness, "poisson_ratio": device.poisson_ratio, "basis": study.modes.basis}
         shape = Shapes(**dict(shape), **wall)
     rows = max(ROWS, *(mode_rows(degree(mode)) for mode in modes), 0)
-    meshes = DeformedSpec(
+    return DeformedMeshes(
         shape=shape, deformed=modes, depth=water.depth, rows=rows, azimuth=2 * rows, lid_rows=FEWEST_LID_ROWS
     )
+
+
+def witness_omega(study: Study) -> tuple[float, ...]:
+    """Return the frequencies both are asked at [rad/s]."""
+    device, water = study.device, study.water
     longest = max(LONGEST / device.radius, LEAST_DEPTH_IN_WAVENUMBERS / water.depth)
     shortest = max(SHORTEST / device.radius, 2 * longest)
-    omega = [
+    return tuple(
         round(math.sqrt(water.gravity * k * math.tanh(k * water.depth)), 6)
         for k in (longest, math.sqrt(longest * shortest), shortest)
-    ]
-    return WitnessSpec(solver=panel_solver(), meshes=meshes, water=water, omega=tuple(omega))
+    )
 
 
 # degree of the shell modes --------------------------------------------------------------------------------------------
@@ -396,7 +392,7 @@ SOFT = 8.0
 """Stiffness of a wall about which its shapes resonate in waves, which magnifies what is left out, over rho g [-]."""
 
 
-def wall_stiffness(study: AnyBuoy, degree: int) -> float:
+def wall_stiffness(study: Study, degree: int) -> float:
     """Return the stiffness per unit area k_n of a wall against a load of a Legendre degree, over rho g [-].
 
     k_n = (E h + T n(n+1) + D n^2 (n+1)^2/r^2)/r^2, by its membrane, by the tension T = p r/2 of an internal pressure,
@@ -409,19 +405,19 @@ def wall_stiffness(study: AnyBuoy, degree: int) -> float:
     return (membrane + tension * turns + bending * turns**2 / r**2) / r**2 / (water.density * water.gravity)
 
 
-def bending_degree(study: AnyBuoy) -> float:
+def bending_degree(study: Study) -> float:
     """Return the degree at which a wall is as stiff by bending as by its membrane, D n^4/r^4 = E h/r^2 [-]."""
     device = study.device
     return float((12 * (1 - device.poisson_ratio**2)) ** 0.25 * math.sqrt(_reach(study) / device.thickness))
 
 
-def _reach(study: AnyBuoy) -> float:
+def _reach(study: Study) -> float:
     """Largest radius of the shell, or half its height [m]."""
     radius, rest = study.device.radius, study.device.meridian
     return radius if rest is None else max(radius, rest.highest, -rest.lowest)
 
 
-def expected_change(study: AnyBuoy, degree: int) -> float:
+def expected_change(study: Study, degree: int) -> float:
     """Return the change of mean power by all shell modes above a degree that is to be expected, relative [-].
 
     Waves press on the wet part of the wall. Of such a load the Legendre degree n falls like n^-3/2, and the wall yields
@@ -430,7 +426,7 @@ def expected_change(study: AnyBuoy, degree: int) -> float:
     return 1 / (wall_stiffness(study, degree) * math.pow(degree, 1.4))
 
 
-def degree_needed(study: AnyBuoy) -> int:
+def degree_needed(study: Study) -> int:
     """Return the least of `DEGREES` that is expected to leave out no more than `modes.tolerance`, or the highest.
 
     A wall as soft as the water resonates in waves; where the port lies within the shell, all power comes from what the

@@ -4,29 +4,20 @@ Only what a stage reads stands in its specification.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar
 
-from pydantic import (
-    Discriminator,
-    Field,
-    SerializerFunctionWrapHandler,
-    Tag,
-    field_serializer,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, PlainValidator, SerializeAsAny
 
 from vsb.engine.integrators.settings import Simulation
-from vsb.engine.motion.take_off import Pto
-from vsb.engine.shell.device import Basis, Device, Shape, centre_height
-from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.shell.device import Basis, Shape
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Name, Section
-from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
-from vsb.study.campaign import CAUSAL, Constrained, Scatter, Spectra, Tunings, Verify
+from vsb.study.body import AnyStudy, Body, BodyStudy
+from vsb.study.campaign import CAUSAL, ClimateFile, Constrained, Tunings, Verify
 from vsb.study.design import CONTROLLED, LEAST_STROKE, DesignTuning, Fatigue, Objective, Variable
-from vsb.study.sections import BodyDrag, Design, Drag, Hydro, Modes, Mooring, Motion, RestShape
-from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
+from vsb.study.sections import Hydro
+from vsb.study.study import Study
 from vsb.study.vary import Vary
 
 PHYSICS = {
@@ -35,26 +26,29 @@ PHYSICS = {
     "members": 1, "mesh": 2, "radiation": 4, "response": 10, "simulate": 16, "verification": 8, "witness": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
+RUN_BY = {tag: PHYSICS[tag] for tag in ("member", "database", "radiation", "simulate")}
+"""Versions of the physics that runs in time of a member rest on, beside their own."""
 
 
-class Spec(Section):
-    """Specification of one stage, with the version of its physics."""
+def spec_of(tag: str, **reads: Any) -> dict[str, Any]:
+    """Return all that a result follows from, beside other results: the version of its physics, and what is read.
 
-    TAG: ClassVar[str]
-    stage: str = ""
-    physics: int = 0
+    Further `versions` may stand there by their names.
+    """
+    return {"stage": tag, "physics": PHYSICS[tag], **reads}
 
-    @model_validator(mode="before")
-    @classmethod
-    def _tagged(cls, raw: Any) -> Any:
-        """Tag a specification made here; one that was read must be of this stage and of today's physics."""
-        tags: dict[str, Any] = {"stage": cls.TAG, "physics": PHYSICS[cls.TAG]}
-        if not isinstance(raw, dict):
-            return raw
-        for key, value in tags.items():
-            if (received := raw.get(key, value)) != value:
-                raise ValueError(f"{key} {received!r}: needs {value!r}, of this version; run vsb run CONFIG again")
-        return {**raw, **tags}
+
+def _read_study(value: Any) -> Any:
+    """What a stage reads of a study, from its JSON."""
+    if not isinstance(value, Mapping):
+        return value
+    return Study.part(value, hydro=Hydro) if "device" in value else BodyStudy.part(value)
+
+
+AnyPart = Annotated[SerializeAsAny[AnyStudy], PlainValidator(_read_study)]
+"""Of a study what a stage reads, and nothing else (`Section.only`)."""
+BuoyPart = Annotated[SerializeAsAny[Study], PlainValidator(_read_study)]
+"""The same of a buoy's."""
 
 
 class Sphere(Section):
@@ -73,153 +67,15 @@ class Shapes(Sphere):
     basis: Basis
 
 
-class FloatingSpec(Spec):
-    """Specification of a buoy at rest in the directions it moves in."""
-
-    device: Device
-    water: Water
-    motion: Motion = "heave"
-    mooring: Mooring | None = None
-
-    @property
-    def centre_height(self) -> float:
-        """Height of the sphere's centre above still water at rest [m]."""
-        return centre_height(self.device, self.water)
+def _read_shape(value: Any) -> Any:
+    """A shape at rest from its JSON."""
+    if not isinstance(value, Mapping) or "device" in value:
+        return _read_study(value)
+    return (Shapes if "basis" in value else Sphere).model_validate(value)
 
 
-class RestSpec(FloatingSpec):
-    """Specification of a buoy and the shape it rests in; without modes it is rigid."""
-
-    modes: Modes | None
-    reference_shape: RestShape
-
-    @property
-    def flexible(self) -> bool:
-        """Whether the shell has modes."""
-        return self.modes is not None
-
-    @property
-    def at_equilibrium(self) -> bool:
-        """Whether it is about the shape the loaded shell takes at rest."""
-        return self.flexible and self.reference_shape == "equilibrium"
-
-
-class Sparse(Section):
-    """A section in whose JSON stands what was given, or has a default: not what is None because it is absent."""
-
-    @model_serializer(mode="wrap")
-    def _without_absent(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said: dict[str, Any] = dump(self)
-        return {key: value for key, value in said.items() if value is not None or key in self.model_fields_set}
-
-
-class BuoySystem(Sparse, Buoy):
-    """A buoy as a stage reads it; absent is what the stage does not need."""
-
-    device: Device
-    water: Water
-    motion: Motion = "heave"
-    mooring: Mooring | None = None
-    modes: Modes
-    designs: dict[Name, Design]
-    pto: Pto
-    reference_shape: RestShape | None = None
-    drag: Drag | None = None
-
-
-class BodySystem(Sparse, WithDesigns):
-    """A body as a stage after its database reads it, which knows all else."""
-
-    designs: dict[Name, BodyDesign]
-    water: Water
-    pto: Pto
-    drag: BodyDrag | None = None
-
-    @property
-    def buoy(self) -> None:
-        """There is none."""
-
-
-AnySystem = Annotated[
-    Annotated[BuoySystem, Tag("buoy")] | Annotated[BodySystem, Tag("body")],
-    Discriminator(lambda value: "buoy" if isinstance(value, BuoySystem) or "device" in dict(value) else "body"),
-]
-"""What floats."""
-
-
-class SystemSpec(Spec):
-    """Specification of a stage that works on what floats; in its JSON the sections of that stand beside its own."""
-
-    system: AnySystem
-
-    @model_validator(mode="before")
-    @classmethod
-    def _nested(cls, raw: Any) -> Any:
-        if not isinstance(raw, dict) or "system" in raw:
-            return raw
-        own = {key: value for key, value in raw.items() if key in cls.model_fields}
-        return {**own, "system": {key: value for key, value in raw.items() if key not in own}}
-
-    @model_serializer(mode="wrap")
-    def _flat(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said: dict[str, Any] = dump(self)
-        own = {key: value for key, value in said.items() if value is not None or key in self.model_fields_set}
-        return {**own.pop("system"), **own}
-
-    @property
-    def buoy(self) -> BuoySystem | None:
-        """The buoy; None if a body floats."""
-        return self.system if isinstance(self.system, BuoySystem) else None
-
-    def with_take_off(self, pto: Pto) -> Self:
-        """Return the same with another take-off."""
-        return self.model_copy(update={"system": self.system.model_copy(update={"pto": pto})})
-
-    @property
-    def designs(self) -> Mapping[str, Design | BodyDesign]:
-        """Designs by name."""
-        return self.system.designs
-
-    @property
-    def pto(self) -> Pto:
-        """The take-off."""
-        return self.system.pto
-
-    @property
-    def water(self) -> Water:
-        """The water."""
-        return self.system.water
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name: gains are relative to it."""
-        return first_rigid(self.designs)
-
-
-class LoadedShape(Spec):
-    """Wetted shape of a shell that its load deforms at rest; neither its damping nor the depth matters."""
-
-    TAG = "mesh"
-    radius: float
-    centre_height: float
-    device: Device
-    modes: Modes
-    water: Water
-    reference_shape: RestShape
-    flexible: ClassVar[bool] = True
-
-    @property
-    def at_equilibrium(self) -> bool:
-        """Whether that is the shape the loaded shell takes at rest."""
-        return self.reference_shape == "equilibrium"
-
-    @field_serializer("device")
-    def _without_damping(self, device: Device) -> dict[str, Any]:
-        return device.model_dump(exclude={"damping"})
-
-    @field_serializer("water")
-    def _without_depth(self, water: Water) -> dict[str, Any]:
-        return water.model_dump(exclude={"depth"})
+AnyShape = Annotated[SerializeAsAny[Sphere | Shapes | Study], PlainValidator(_read_shape)]
+"""A wetted shape: undeformed, or of a buoy that its load deforms at rest."""
 
 
 class Rows(Section):
@@ -230,61 +86,22 @@ class Rows(Section):
     lid_rows: int
 
 
-class SphereMesh(Spec, Sphere, Rows):
-    """Mean wetted mesh of a sphere."""
+class Mesh(Rows):
+    """Mean wetted mesh of a shape at rest."""
 
-    TAG = "mesh"
-
-
-class LoadedMesh(LoadedShape, Rows):
-    """Mean wetted mesh of a shell deformed by its load."""
+    shape: AnyShape
 
 
-class DeformedSpec(Spec, Rows):
+class DeformedMeshes(Mesh):
     """Meshes of a shell at rest and deformed by either sign of each mode, clear of the bottom."""
 
-    TAG = "mesh"
-    shape: Sphere | Shapes | LoadedShape
     deformed: tuple[str, ...]
     depth: float
 
 
-class WitnessSpec(Spec):
-    """What panels and the spectral solver are both asked: shapes, water, frequencies [rad/s]."""
-
-    TAG = "witness"
-    solver: str
-    meshes: DeformedSpec
-    water: Water
-    omega: tuple[float, ...]
-
-
-class DisplaySpec(RestSpec):
-    """Viewable meshes: mean and deformed wetted shells."""
-
-    TAG = "mesh"
-
-
-class ModesSpec(WithDesigns, RestSpec):
-    """Shell modes of a study."""
-
-    TAG = "mesh"
-    modes: Modes
-    designs: dict[Name, Design]
-
-
-AnyBuoy = Study | BuoySystem
-"""A buoy with its designs and take-off."""
-AtRest = AnyBuoy | RestSpec | LoadedShape
-"""What a shape at rest follows from."""
-Designed = AnyBuoy | ModesSpec
-"""What has designs."""
-
-
-class Block(Spec):
+class Block(Section):
     """Coefficients of displacements at frequencies [rad/s], as many of them solved as `interpolation` [-] asks for."""
 
-    TAG = "block"
     solver: str
     water: Water
     displacements: tuple[str, ...]
@@ -293,197 +110,64 @@ class Block(Spec):
     order: int = 0
 
 
-class PanelsSpec(Block):
+class PanelsBlock(Block):
     """A block of frequencies by panels."""
 
-    mesh: SphereMesh | LoadedMesh
+    mesh: Mesh
 
 
-class SpectralSpec(Block):
+class SpectralBlock(Block):
     """A block of frequencies without panels."""
 
-    shape: Sphere | LoadedShape
+    shape: AnyShape
     tolerance: float
 
 
-class DatabaseSpec(RestSpec):
-    """Hydro database: ids of the blocks in use, the modes and the structure, the checks whose failure is accepted."""
-
-    TAG = "database"
-    sweep: tuple[str, ...]
-    tabulated: tuple[str, ...]
-    omega: tuple[float, ...]
-    omega_max: float
-    tolerance: float
-    accept: tuple[str, ...]
-
-
-class BodySpec(Spec):
+class BodySource(Section):
     """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
 
-    TAG = "body"
     body: Body
     water: Water
     dofs: tuple[str, ...] | None
     omega_max: float | None  # highest frequency kept [rad/s]; none: all
     accept: tuple[Name, ...]
-    solver: str = ""  # of a mesh, and the version of what solves it
-    solved: int = 0
     repair: tuple[Name, ...] = ()  # checks whose failure is repaired
 
 
-class FrequenciesSpec(Spec):
-    """Frequencies of a body on panels [rad/s] that are solved apart from its others."""
-
-    TAG = "body"
-    body: Body  # its mesh alone
-    omega: tuple[float, ...]
-    solver: str
-    solved: int
-
-
-class RadiationSpec(Sparse, Spec):
-    """Radiation memory of a database, by its id; of a body also which added mass at infinite frequency it has."""
-
-    TAG = "radiation"
-    database: str
-    tolerance: float
-    added_mass_inf: Literal["fitted", "given"] | None = None
-
-
-class ResponseSpec(SystemSpec):
-    """Frequency response of all designs: the step, ends and further frequencies of its grid [rad/s].
-
-    Without a step the grid is that of the database, refined.
-    """
-
-    TAG = "response"
-    step: float | None = None
-    lowest: float | None = None
-    omega_max: float | None = None
-    omega: tuple[float, ...]
-    directions: tuple[float, ...] = ()  # of the waves [degrees]; empty if all go along x
-
-
-class Band(Section):
-    """What the control levels read of the section `hydro`."""
-
-    omega_max: float
-
-
-class Dynamics(Band):
-    """What a run in time reads of the section `hydro`."""
-
-    model: str
-    pressure: float | None
-    power_tolerance: float | None
-
-
-class ClimateSpec(Brief):
-    """The seas of a year: sha256 of the file, and what it is read as."""
-
-    BRIEF = ("direction",)
-    contents: str
-    form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
-    gamma: float | None = None
-    direction: float = 0.0  # [degrees]
-
-    @classmethod
-    def of(cls, given: Spectra | Scatter, contents: str) -> Self:
-        """Return the seas of a file as a campaign or a design names it, its contents by their sha256."""
-        if isinstance(given, Scatter):
-            gamma = given.gamma if given.spectrum == "jonswap" else None
-            return cls(contents=contents, form=given.spectrum, gamma=gamma, direction=given.direction)
-        return cls(contents=contents, form="spectra", direction=given.direction)
-
-
-class SeasSpec(SystemSpec):
-    """Specification of a stage that works on what floats in seas."""
-
-    waves: tuple[Wave, ...]
-    simulation: Simulation
-    hydro: Band | None = None
-
-    @property
-    def band(self) -> tuple[float, float] | None:
-        """Frequencies a sea may have components at [rad/s]; None where the database decides."""
-        return (0.0, self.hydro.omega_max) if self.hydro else None
-
-
-class LadderSpec(SeasSpec):
-    """Control levels of all designs in all seas."""
-
-    TAG = "ladder"
-
-
-class SimulateSpec(SeasSpec):
+class Run(Section):
     """One design in one sea; `seas` are those its damper is tuned to, where one damper serves all seas."""
 
-    TAG = "simulate"
-    hydro: Dynamics | None = None
+    study: AnyPart
     seas: tuple[Wave, ...] = ()
 
 
-class CompareSpec(Spec):
-    """Comparison of all designs in all seas: the whole study."""
-
-    TAG = "compare"
-    study: AnyStudy
-
-
-class MemberSpec(SystemSpec):
+class MemberSpec(Section):
     """One point of a campaign: a study without seas over a year, every design and tuning.
 
     `sweep` are the coefficients by id: blocks of a buoy's shape, or the database of a body.
     """
 
-    TAG = "member"
-    hydro: Hydro | BodyHydro
+    study: AnyPart
     sweep: tuple[str, ...]
-    climate: ClimateSpec
+    climate: ClimateFile
     tuning: tuple[Tunings, ...]
     constrained: Constrained | None = None
-
-
-RUN_BY = ("member", "database", "radiation", "simulate")
-"""Tags of the physics runs in time of a member rest on, beside their own."""
 
 
 class VerificationSpec(MemberSpec):
     """One point of a campaign under one tuning, and the runs in time its year is corrected by."""
 
-    TAG = "verification"
-    simulation: Simulation
     verify: Verify
-    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
-
-    @property
-    def simulated(self) -> Study:
-        """The study of the member, a buoy's, in no sea of its own."""
-        parts = dict(self.system) | {"hydro": self.hydro, "simulation": self.simulation}
-        return Study(study="member", waves=(StillWater(kind="still"),), **parts)
 
 
-class MembersSpec(Spec):
-    """Some points of a campaign: sections of its study, and what each point sets in them."""
-
-    TAG = "members"
-    base: dict[str, Any]
-    points: tuple[dict[str, float | str], ...]
-    climate: ClimateSpec
-    tuning: tuple[Tunings, ...]
-    constrained: Constrained | None = None
-
-
-class CampaignSpec(Spec):
+class CampaignSpec(Section):
     """A whole campaign: what is varied of which sections, and its batches by id, each with the members it holds."""
 
-    TAG = "campaign"
     campaign: str
     study: str
     base: dict[str, Any]
     vary: Vary
-    climate: ClimateSpec
+    climate: ClimateFile
     climate_name: str
     tuning: tuple[Tunings, ...]
     batches: tuple[str, ...]
@@ -496,7 +180,7 @@ class Search(Brief):
 
     base: dict[str, Any]  # sections of the study
     design: str
-    climate: ClimateSpec
+    climate: ClimateFile
     variables: tuple[Variable, ...]
     maximise: Objective
     limits: dict[str, float]
@@ -533,42 +217,20 @@ class Search(Brief):
         return bool(self.degrees)
 
 
-class DesignStartSpec(Spec):
-    """The best buoy from one of several starts."""
-
-    TAG = "design_start"
-    search: Search
-    seed: int
-    start: int  # from 0; how many there are changes none
-
-
-class DesignFrontSpec(Spec):
-    """The best buoys over the values of one limit, from the best of some starts."""
-
-    TAG = "design_front"
-    search: Search
-    limit: str
-    values: tuple[float, ...]
-    starts: tuple[str, ...]  # by id
-
-
-class DesignVerificationSpec(Spec):
+class DesignVerificationSpec(Section):
     """The best flexible buoy and the best rigid one in the same seas in time."""
 
-    TAG = "design_verification"
     flexible: Search
     rigid: Search
     verify: Verify
     simulation: Simulation
     starts: tuple[str, ...]  # by id
     rigid_starts: tuple[str, ...]
-    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
 
 
-class DesignSpec(Spec):
+class DesignSpec(Section):
     """A whole design problem: the best flexible buoy beside the best rigid one."""
 
-    TAG = "design_results"
     name: str
     study: str
     climate_name: str

@@ -75,10 +75,17 @@ def first_rigid(designs: Mapping[str, Any]) -> str | None:
     return next((name for name, design in sorted(designs.items()) if not design.flexible), None)
 
 
-class WithDesigns(Section):
-    """What has designs by name, and perhaps drag."""
+class BaseStudy(Section):
+    """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
     if TYPE_CHECKING:
+        study: str
+        water: Water
+        pto: Pto
+        waves: tuple[Wave, ...]
+        simulation: Simulation
+        hydro: Any  # of a buoy or of a body
+        published: Published | None
         designs: Mapping[str, Any]  # each knows whether it is flexible
         drag: Drag | Mapping[str, Plate] | None
 
@@ -101,19 +108,6 @@ class WithDesigns(Section):
     def radius(self) -> float | None:
         """Radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
         return None
-
-
-class BaseStudy(WithDesigns):
-    """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
-
-    if TYPE_CHECKING:
-        study: str
-        water: Water
-        pto: Pto
-        waves: tuple[Wave, ...]
-        simulation: Simulation
-        hydro: Any  # of a buoy or of a body
-        published: Published | None
 
     _study_not_reserved = field_validator("study", check_fields=False)(not_reserved)
 
@@ -295,43 +289,7 @@ CHECKS = (
 """Names of the checks on a hydro database, as `hydro.quality` gives them; a study may accept their failures."""
 
 
-class Buoy(WithDesigns):
-    """What follows from the sections of a buoy, in a study or in the specification of a stage."""
-
-    if TYPE_CHECKING:
-        device: Device
-        water: Water
-        designs: Mapping[str, Design]
-        pto: Pto
-        reference_shape: RestShape | None
-
-    @property
-    def radius(self) -> float:
-        """Radius of the buoy [m]."""
-        return self.device.radius
-
-    @property
-    def centre_height(self) -> float:
-        """Height of the sphere's centre above still water at rest [m]."""
-        return centre_height(self.device, self.water)
-
-    @property
-    def draft(self) -> float:
-        """Depth of the keel below still water [m]."""
-        return keel_depth(self.device, self.centre_height)
-
-    @property
-    def at_equilibrium(self) -> bool:
-        """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
-        return self.flexible and self.reference_shape == "equilibrium"
-
-    @property
-    def opens_chamber(self) -> bool:
-        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
-        return self.device.gas is not None and self.pto.port == "volume"
-
-
-class Study(Buoy, BaseStudy):
+class Study(BaseStudy):
     """One study file."""
 
     study: Name
@@ -537,6 +495,31 @@ class Study(Buoy, BaseStudy):
                     f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
                     f"{slowest:.4g} s"
                 )
+
+    @property
+    def radius(self) -> float:
+        """Radius of the buoy [m]."""
+        return self.device.radius
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the sphere's centre above still water at rest [m]."""
+        return centre_height(self.device, self.water)
+
+    @property
+    def draft(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return keel_depth(self.device, self.centre_height)
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
+        return self.flexible and self.reference_shape == "equilibrium"
+
+    @property
+    def opens_chamber(self) -> bool:
+        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
+        return self.device.gas is not None and self.pto.port == "volume"
 
     @property
     def buoy(self) -> "Study":

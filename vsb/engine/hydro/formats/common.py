@@ -196,8 +196,15 @@ def floating(ds: xr.Dataset, source: str) -> Floating:
     r, z = (float(ds.attrs[name]) for name in ("radius", "centre_height"))
     heave = float(ds.inertia_matrix.sel(influenced_dof="Heave", radiating_dof="Heave"))
     wet = z - 0.75 * (r + z) ** 2 / (2 * r + z)  # centroid of the cap below z = 0, of height r - z
-    above = json.loads(ds.attrs.get("spec", "{}")).get("device", {}).get("centre_of_mass") or 0.0
+    above = _device(ds).get("centre_of_mass") or 0.0
     return Floating(heave / float(ds.attrs["water_density"]), np.array([0, 0, wet]), np.array([0, 0, z + above]))
+
+
+def _device(ds: xr.Dataset) -> dict[str, Any]:
+    """The buoy a database is of, as far as its spec tells."""
+    spec = json.loads(ds.attrs.get("spec", "{}"))
+    found: dict[str, Any] = spec.get("study", spec).get("device", {})  # until 1.0.0 beside all else
+    return found
 
 
 def rotation_centre(ds: xr.Dataset) -> FloatArray | None:
@@ -254,7 +261,7 @@ def structure(ds: xr.Dataset, source: str, damping: FloatArray | None = None) ->
         return Structure(mass, ds.structural_damping_matrix.values, stiffness)
     if "spec" not in ds.attrs:
         raise DatabaseError(f"{source}: holds no spec; needs structural_damping_matrix, or a spec with its factors.")
-    factors = json.loads(ds.attrs["spec"]).get("device", {}).get("damping", {"alpha": 0.0, "beta": 0.0})
+    factors = _device(ds).get("damping", {"alpha": 0.0, "beta": 0.0})
     damping = factors["alpha"] * mass + factors["beta"] * elastic
     rigid = np.array([is_rigid(str(label)) for label in ds.influenced_dof.values])
     damping[rigid, :] = damping[:, rigid] = 0.0
