@@ -18,7 +18,7 @@ from vsb.engine.waves.kinds import Wave
 from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
-from vsb.study.body import AnyStudy, BodyStudy, wamit_files
+from vsb.study.body import BodyStudy, wamit_files
 from vsb.study.resolution import AnyBlock, HydroPlan, block_id, no_witness, witness_meshes, witness_omega
 from vsb.study.sections import Hydro
 from vsb.study.specs import (
@@ -70,8 +70,6 @@ STAGES = {
     "design_report": Stage("design_results", "design_results", "report", "design_results"),
 }
 """Stages in the order of the chain; the radiation memory of a body is made with its database."""
-SOLVED_BY = {"solver": panel_solver(), "physics": PHYSICS}
-"""Versions of what solves a body on panels."""
 ID = "{id}"
 """Stands for the id of a task in the name of its file."""
 
@@ -250,9 +248,9 @@ class ResultsPlan(Graph):
         """Path of the hydro database, as `vsb.open_database` takes it."""
         return self.database.out
 
-    @abstractmethod
-    def part(self, *names: str, **changed: Any) -> AnyStudy:
-        """Return what a stage of motion reads of the study: sections beyond those of every stage by name."""
+    def part(self, *names: str, **changed: Any) -> BaseStudy:
+        """Return what a stage of motion reads of the study: what floats, and further sections by name."""
+        return self.study.only("designs", "water", "pto", *self.study.FLOATS, *names, **changed)
 
     of_ladder: ClassVar[tuple[str, ...]] = ()
     """Sections control levels read beyond those of every stage of motion."""
@@ -451,11 +449,10 @@ class StudyPlan(HydroPlan, ResultsPlan):
     root: str = "results"
     of_ladder = ("modes",)  # with their tolerance
 
-    def part(self, *names: str, **changed: Any) -> Study:
-        """Return what a stage of motion reads of the study."""
-        every = ("device", "water", "reference_shape", "motion", "mooring", "designs", "pto")
+    def part(self, *names: str, **changed: Any) -> BaseStudy:
+        """Return what a stage of motion reads of the study, in most the modes without their tolerance."""
         modes = {} if "modes" in names else {"modes": self.study.modes.without_tolerance}
-        return self.study.only(*every, *names, **modes | changed)
+        return super().part(*names, **modes | changed)
 
     def of_hydro(self, *names: str) -> dict[str, Hydro]:
         """Return what a stage of motion reads of the section `hydro`, beside the database."""
@@ -596,7 +593,7 @@ class BodyPlan(ResultsPlan):
             accept=tuple(sorted(study.hydro.accept)),
             repair=tuple(sorted(study.hydro.repair)),
         )
-        given = {"source": source} | ({"versions": SOLVED_BY} if solved else {})
+        given = {"source": source} | ({"versions": solved_by()} if solved else {})
         return Task.of("coefficients", given, database_path(self.root, ID), files=self.sources, needs=self.inputs)
 
     def solved_database(self, apart: Sequence[Task] = ()) -> Task:
@@ -616,10 +613,6 @@ class BodyPlan(ResultsPlan):
             yield self.green
             apart += frequencies(file, self.sources, self.inputs, f"{self.root}/hydro/bodies")
         yield from (*apart, self.solved_database(apart))
-
-    def part(self, *names: str, **changed: Any) -> BodyStudy:
-        """Return what a stage of motion reads of the study: its database knows all else of the body."""
-        return self.study.only("designs", "water", "pto", *names, **changed)
 
     @property
     def coordinates(self) -> int:
@@ -646,6 +639,11 @@ class BodyPlan(ResultsPlan):
         return [*files, self.green.out] if self.study.uses_panels else files
 
 
+def solved_by() -> dict[str, Any]:
+    """Return the versions of what solves a body on panels."""
+    return {"solver": panel_solver(), "physics": PHYSICS}
+
+
 def frequencies(
     file: BodyFile, sources: Mapping[str, str], inputs: Sequence[str], folder: str | Path
 ) -> Iterator[Task]:
@@ -667,7 +665,7 @@ def frequencies(
     count = min(most, int(seconds / costs.FREQUENCIES_SECONDS)) if file.tolerance is None else 0
     for first in range(count if count > 1 else 0):
         omega = (*file.omega, math.inf)[first::count]
-        spec = spec_of("body", body=file, omega=omega, versions=SOLVED_BY)
+        spec = spec_of("body", body=file, omega=omega, versions=solved_by())
         out = f"{folder}/{content_id(spec)}.done"
         yield Task(
             "frequencies", spec, {**sources, "out": out}, (out,), tuple(inputs), on_the_way=True,

@@ -129,8 +129,7 @@ def members_of(
     for study, point in zip(studies, points, strict=True):
         if (shape := _shape(study)) not in swept:
             swept[shape] = _coefficients(study)
-        of_buoy = () if isinstance(study, BodyStudy) else ("device", "motion", "mooring", "modes", "reference_shape")
-        read = study.only("designs", "water", "pto", "hydro", *of_buoy, drag=None)  # a year has none
+        read = study.only("designs", "water", "pto", "hydro", *study.FLOATS, drag=None)  # a year has none
         budget = {"climate": climate, "tuning": tuple(tuning), "constrained": constrained}
         found.append(Member(point, study, MemberSpec(study=read, sweep=swept[shape], **budget)))
     return found

@@ -9,7 +9,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -78,6 +78,7 @@ def first_rigid(designs: Mapping[str, Any]) -> str | None:
 class BaseStudy(Section):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
+    FLOATS: ClassVar[tuple[str, ...]] = ()  # keys of what floats, beside designs and take-off; none of a body
     if TYPE_CHECKING:
         study: str
         water: Water
@@ -292,6 +293,7 @@ CHECKS = (
 class Study(BaseStudy):
     """One study file."""
 
+    FLOATS = ("device", "motion", "mooring", "modes", "reference_shape")
     study: Name
     motion: Motion = "heave"
     device: Device
