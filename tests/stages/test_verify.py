@@ -132,7 +132,7 @@ def test_run_keeps_what_a_user_put_in_the_place_of_a_product(place):
 def test_what_another_run_is_making_for_both_stays(place):
     """Meshes that are written and not yet in their manifest are not moved: the run waits for the other one."""
     meshes = PLAN.display.makes
-    manifest, aside = Path(PLAN.display.files["out"], "manifest.json"), Path("manifest.json")
+    manifest, aside = Path(PLAN.display.files["manifest"]), Path("manifest.json")
     with ThreadPoolExecutor() as pool:
         with shared_lock(PLAN.root, meshes):
             manifest.rename(aside)

@@ -105,19 +105,19 @@ def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, c
         assert sum(difference) == pytest.approx(shape.amplitude)
 
 
-def test_viewable_shapes_are_written_and_stamped(seed, tmp_path):
-    plan = StudyPlan(varied(seed, modes={"degree": 1}))
-    run_at(plan.display, out=str(tmp_path / "shapes"), manifest=str(tmp_path / "manifest.json"))
-    names = {path.rsplit("/")[-1] for path in plan.display.makes}
-    assert {path.name for path in (tmp_path / "shapes").iterdir()} == names
+def test_mesh_to_look_at_holds_the_displacement_of_every_mode(seed, tmp_path):
+    """Breathing moves all points away from the centre by one unit, and the shell is under water from its middle down."""
+    plan = StudyPlan(varied(seed, modes={"degree": 2}))
+    run_at(plan.display, out=str(tmp_path / "shell.vtu"), manifest=str(tmp_path / "manifest.json"))
     stamps = json.loads((tmp_path / "manifest.json").read_text())
     assert {entry["spec_id"] for entry in stamps.values()} == {plan.display.id}
-    assert sorted(path.rpartition("/")[2] for path in stamps) == sorted(names)
-    for name, least, most in (("mean", -1e-6, 1e-6), ("Membrane0_plus", 0.05, 1.0), ("Membrane0_minus", -1.0, -0.05)):
-        points = meshio.read(tmp_path / "shapes" / f"{name}.vtu").points - [0.0, 0.0, seed.centre_height]
-        beyond = np.linalg.norm(points, axis=1) - seed.device.radius
-        assert np.ptp(beyond) < 2e-6  # breathing: a sphere of another radius
-        assert least < beyond[0] < most
+    mesh = meshio.read(tmp_path / "shell.vtu")
+    assert set(mesh.point_data) == set(plan.mode_labels)
+    outwards = (mesh.points - [0.0, 0.0, seed.centre_height]) / seed.device.radius
+    np.testing.assert_allclose(np.linalg.norm(outwards, axis=1), 1.0, rtol=1e-6)
+    np.testing.assert_allclose(mesh.point_data["Membrane0"], outwards, atol=1e-6)
+    (faces,), (wet,) = [block.data for block in mesh.cells], mesh.cell_data["wet"]
+    assert ((mesh.points[faces, 2].mean(axis=1) < 0) == wet).all()
 
 
 @pytest.mark.parametrize("name", ["seed", "pressurised"])

@@ -154,9 +154,10 @@ def test_all_products_are_there_and_consistent(folder):
     index = (folder / "results" / "hydro" / "INDEX.tsv").read_text().splitlines()
     assert index[0].startswith("id\tradius_m")
     assert len(index) == 2
-    for kind in ("vtu", "nc"):
-        names = {path.stem for path in (folder / "results" / "hydro" / "mesh").glob(f"*/*.{kind}")}
-        assert names == {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
+    meshes = folder / "results" / "hydro" / "mesh"
+    names = {path.stem for path in meshes.glob("*/*.nc")}
+    assert names == {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
+    assert len([*meshes.glob("*/shell.vtu")]) == 1
 
 
 @pytest.mark.slow

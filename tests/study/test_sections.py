@@ -51,7 +51,7 @@ BAD = [
     (("device", "mass"), float("nan"), r"device.mass: received nan; needs a"),
     (("device", "damping", "beta"), -1.0, r"device.damping.beta: received -1.0; needs a number of at least 0"),
     (("modes", "degree"), True, r"modes.degree: received True; a number is needed, not true/false"),
-    (("modes", "degree"), 91, r"modes.degree: received 91; needs a number of at most 90"),
+    (("modes", "degree"), 121, r"modes.degree: received 121; needs a number of at most 120"),
     (("hydro", "rows"), False, r"hydro.rows: received False; a number is needed"),
     (("hydro", "tolerance"), 1.0, r"hydro.tolerance: received 1.0; needs a number of at most 0.02"),
     (("designs",), {"A": {"clamp": [10, -1]}}, r"designs.A.clamp.1: received -1; needs a number of at least 0"),

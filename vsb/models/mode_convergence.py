@@ -17,7 +17,7 @@ import numpy as np
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.orders import heading_shares, with_haskind_damping
-from vsb.engine.hydro.spectral.solver import FEWEST_NODES, MOST_NODES, SpectralProblem, incident_wave, resolved
+from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, incident_wave, resolved
 from vsb.engine.hydro.sweep import on_grid
 from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
@@ -43,8 +43,8 @@ SOLVED = 2e-4
 """Tolerance of the coefficients of the undeformed shape: all degrees share their errors."""
 SOLVED_EACH = 2e-5
 """Tolerance of those about an equilibrium, of each degree by itself: with 2e-4 powers of degrees scattered by 3e-5."""
-POINTS = 2
-"""Points of the wet meridian over the highest degree, fewer of which never reach these tolerances."""
+POINTS, MOST_POINTS = 2, 512
+"""Points of the wet meridian over the highest degree, fewer of which never reach these tolerances, and at most."""
 MOST_FREQUENCIES = 128
 """Frequencies of a sea; seas of more components are summed at so many."""
 SAMPLED = 0.01
@@ -129,10 +129,10 @@ class _Around:
 def _solved_around(one: _Around) -> ShapeWater:
     """Coefficients of displacements of one azimuthal order around a shape; those of the last shapes are kept."""
     water, omega, nodes = one.water, list(one.omega), FEWEST_NODES
-    while nodes < min(MOST_NODES, POINTS * max(each.degree for each in one.moved)):
+    while nodes < min(MOST_POINTS, POINTS * max(each.degree for each in one.moved)):
         nodes *= 2
     problem = SpectralProblem(one.shape, one.moved, water.density, water.gravity, nodes, depth=water.depth)
-    problem, _ = resolved(problem, [omega[0], omega[-1]], one.tolerance)
+    problem, _ = resolved(problem, [omega[0], omega[-1]], one.tolerance, MOST_POINTS)
     found = with_excitation(on_grid(problem.solve, omega, one.tolerance, incident_wave(problem)).coefficients)
     if one.order:
         found = with_haskind_damping(found, one.order, water.depth, water.density, water.gravity)

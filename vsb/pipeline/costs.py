@@ -25,11 +25,13 @@ START_OF_A_PROCESS = 2.5
 GREEN_SECONDS, GREEN_KEPT_SECONDS = 20.0, 0.2
 """Of the Green-function table of panels: computed once on a machine, then copied."""
 OF_MOTIONS = {
-    "display": (0.1, 0.02), "radiation": (0.4, 0.02), "response": (0.3, 0.006), "simulate": (0.1, 0.006),
+    "display": (0.1, 0.001), "radiation": (0.4, 0.02), "response": (0.3, 0.006), "simulate": (0.1, 0.006),
     "figures": (0.0, 0.012),
 }  # fmt: skip
 """Of stages, once and for each motion: of the shell, in response and figures of each flexible design. Measured with 13
 to 121 motions, as all that depends on them."""
+SPECTRAL_MEGABYTES = 0.06
+"""Of coefficients over the band, over the displacements squared: 0.9 GB of 121, 3.5 GB of 241 [MB]."""
 DATABASE_SECONDS = (0.1, 1e-4)
 """Of a database of the spectral solver, once and for its motions squared."""
 LEFT_OUT_SECONDS = 1e-3
@@ -133,6 +135,11 @@ def spectral_seconds(water: Water, displacements: int) -> float:
     """Return the CPU time of the coefficients of so many displacements by the spectral solver [s]."""
     once, each = SPECTRAL_SECONDS["deep" if math.isinf(water.depth) else "finite"]
     return once + each * displacements**2
+
+
+def spectral_megabytes(displacements: int) -> int:
+    """Return the memory of the coefficients of so many displacements by the spectral solver [MB]."""
+    return math.ceil(max(1000.0, 300.0 + SPECTRAL_MEGABYTES * displacements**2))
 
 
 def left_out_seconds(buoy: Study) -> float:

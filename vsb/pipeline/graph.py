@@ -470,12 +470,14 @@ class StudyPlan(HydroPlan, ResultsPlan):
 
     @cached_property
     def display(self) -> Task:
-        """Viewable meshes: the mean wetted shell, and one per axisymmetric mode and sign; studies share them."""
+        """A mesh to look at: the shell at rest with the displacement of each axisymmetric mode; studies share it."""
         modes, folder = self.study.modes.without_tolerance, f"{self.root}/hydro/mesh/{ID}"
         shell = self.shell(**({"modes": modes.model_copy(update={"order": 1})} if self.study.flexible else {}))
-        shapes = [f"{folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
-        seconds, manifest = costs.motions_seconds("display", len(self.mode_labels)), f"{folder}/manifest.json"
-        return Task.of("display", {"study": shell}, folder, makes=shapes, files={"manifest": manifest}, seconds=seconds)
+        files, seconds = (
+            {"manifest": f"{folder}/manifest.json"},
+            costs.motions_seconds("display", len(self.mode_labels)),
+        )
+        return Task.of("display", {"study": shell}, f"{folder}/shell.vtu", files=files, seconds=seconds)
 
     def block_path(self, block: AnyBlock) -> str:
         """Coefficients of a block of frequencies."""
@@ -500,7 +502,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
                 needs = (self.green.out,)
                 yield Task.of("panels", {"block": block}, out, read, files=files, needs=needs, **options)
             else:
-                yield Task.of("spectral", {"block": block}, out, **options)
+                memory = costs.spectral_megabytes(len(block.displacements))
+                yield Task.of("spectral", {"block": block}, out, megabytes=memory, **options)
 
     @cached_property
     def deformed(self) -> Task | None:

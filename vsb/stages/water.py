@@ -14,7 +14,7 @@ from vsb import __version__
 from vsb.engine.hydro import database, orders, quality
 from vsb.engine.hydro.database import Check, with_history
 from vsb.engine.hydro.dofs import displacements
-from vsb.engine.hydro.panels.mesh import display_shapes, write_wet_shell
+from vsb.engine.hydro.panels.mesh import write_shell
 from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
 from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
 from vsb.engine.shell.deformed import ReferenceShell, rigid_buoy
@@ -82,11 +82,9 @@ def _shapes(
 
 
 def run_display(study: BuoyPart, out: str, manifest: str, stamp: Stamp) -> None:
-    """Write the mean wetted shell, and one deformed shell per mode and sign, into a folder."""
-    shapes = display_shapes(reference_shell(study).shape)
-    for name, shape in shapes.items():
-        write_wet_shell(shape, f"{out}/{name}.vtu")
-    record(manifest, stamp["spec_id"], [f"{out}/{name}.vtu" for name in shapes])
+    """Write the shell at rest and the displacement of every mode as a mesh to look at."""
+    write_shell(reference_shell(study).shape, out)
+    record(manifest, stamp["spec_id"], [out])
 
 
 REFINED = (0.1, 0.01)

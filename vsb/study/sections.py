@@ -18,7 +18,7 @@ from vsb.keys.quantities import OR_AUTO, Colatitude, Count, Finite, Name, NonNeg
 RestShape = Literal["undeformed", "equilibrium"]
 
 
-DEGREES = (6, 9, 14, 20, 30, 42, 60, 90)
+DEGREES = (6, 9, 14, 20, 30, 42, 60, 90, 120)
 """Degrees a basis has that follows from a tolerance; few, that studies share their water."""
 MODE_TOLERANCE = 0.005
 """Change of mean power, relative, and of gain, absolute, that shell modes left out may cause by default [-]."""

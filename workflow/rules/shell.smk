@@ -31,7 +31,7 @@ if "modes" in RULES:
 if "meshes" in RULES:
 
     rule meshes:
-        """The mean wetted shell, and the shell deformed by each mode and sign, as files to look at."""
+        """The shell at rest with the displacement of each mode, as a mesh to look at."""
         input:
             RULES["meshes"].needs,
         output:

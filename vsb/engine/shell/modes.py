@@ -31,6 +31,9 @@ from vsb.engine.shell.shell import Shell, frequency_parameter
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray, IntArray
 
+POINTS = 20
+"""Points of a half wave among which its largest displacement is sought."""
+
 
 @dataclass(frozen=True)
 class Mode:
@@ -49,44 +52,55 @@ class Mode:
 
 
 def scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
-    """Return a shape of one degree scaled to max|displacement| = 1, radial at the top pole positive."""
+    """Return a shape of one degree scaled to max|displacement| = 1, radial at the top pole positive.
+
+    The largest displacement is at the pole or about the first extremum of dP_n/dphi: P_n^2 + (dP_n/dphi)^2/n(n+1) falls
+    from the pole to the equator.
+    """
 
     def displacement(phi: FloatArray) -> FloatArray:
         p, dp, _ = legendre(degree, np.atleast_1d(phi))
         return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
 
-    largest = largest_along(displacement, degree)
+    beside_pole = np.linspace(0.0, np.pi / (degree + 0.5), POINTS + 1)
+    largest = largest_along(displacement, beside_pole, displacement(beside_pole))
     scale = np.copysign(1.0, radial) / largest
     return Mode(label, degree, radial * scale, meridional * scale)
 
 
-def largest_along(displacement: Callable[[FloatArray], FloatArray], degree: int) -> float:
-    """Return the largest displacement along the meridian of a shape that turns as a degree does."""
-    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
-    peak = grid[np.argmax(displacement(grid))]
-    step = grid[1]
+def largest_along(displacement: Callable[[FloatArray], FloatArray], grid: FloatArray, there: FloatArray) -> float:
+    """Return the largest displacement along the meridian from that at points, `POINTS` or more a half wave."""
+    peak, step = grid[np.argmax(there)], grid[1] - grid[0]
     refined = minimize_scalar(
         lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
     )
-    return max(-float(refined.fun), float(displacement(np.array(peak))[0]))
+    return max(-float(refined.fun), float(np.max(there)))
 
 
 def natural_shapes(shell: Shell, degree: int) -> tuple[Mode, ...]:
-    """Return the natural modes of a shell of another meridian, by ascending frequency, from `Shell1` on."""
-    shapes = natural_modes(shell, max(1, degree)).shapes.T
-    return tuple(_natural_shape(f"Shell{i}", shape) for i, shape in enumerate(shapes, 1))
+    """Return the natural modes of a shell of another meridian, by ascending frequency, from `Shell1` on.
+
+    Each is scaled to max|displacement| = 1, with the largest radial amplitude at a pole positive.
+    """
+    highest = max(1, degree)
+    shapes = natural_modes(shell, highest).shapes
+    radial, meridional = shapes[: highest + 1].T, np.pad(shapes[highest + 1 :].T, ((0, 0), (1, 0)))
+    grid = np.linspace(0.0, np.pi, POINTS * highest + 3)
+    p, dp, _ = legendre(highest, grid)
+    there = np.hypot(radial @ p, meridional @ dp)
+    rows = enumerate(zip(radial, meridional, there, strict=True), 1)
+    return tuple(_natural_shape(f"Shell{i}", v, u, grid, row) for i, (v, u, row) in rows)
 
 
-def _natural_shape(label: str, shape: FloatArray) -> Mode:
-    """A mode of all degrees scaled to max|displacement| = 1, the largest radial amplitude at a pole positive."""
-    highest = len(shape) // 2
-    radial, meridional = shape[: highest + 1], np.concatenate([[0.0], shape[highest + 1 :]])
+def _natural_shape(label: str, radial: FloatArray, meridional: FloatArray, grid: FloatArray, there: FloatArray) -> Mode:
+    """A mode of all degrees, scaled, from its amplitudes by degree and its displacement at points."""
+    highest = len(radial) - 1
 
     def displacement(phi: FloatArray) -> FloatArray:
         p, dp, _ = legendre(highest, np.atleast_1d(phi))
         return np.asarray(np.hypot(radial @ p, meridional @ dp))
 
-    largest = largest_along(displacement, highest)
+    largest = largest_along(displacement, grid, there)
     at_poles = np.array([radial.sum(), radial @ (-1.0) ** np.arange(highest + 1)])
     scale = np.copysign(1.0, at_poles[0] if abs(at_poles[0]) > 1e-6 * largest else at_poles[1]) / largest
     parts = [(n, scale * float(v), scale * float(u)) for n, (v, u) in enumerate(zip(radial, meridional, strict=True))]

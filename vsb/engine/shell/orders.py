@@ -32,6 +32,7 @@ from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell
 from vsb.engine.shell.meridian import gauss_rule
 from vsb.engine.shell.modes import (
+    POINTS,
     SAME,
     Mode,
     ModeBasis,
@@ -414,7 +415,8 @@ def _scaled(mode: Mode, order: int) -> Mode:
         v, u, w = mode.radial * s, mode.meridional * ds, order * mode.meridional * around
         return np.asarray(np.sqrt(np.maximum(v**2 + u**2, w**2)))
 
-    scale = np.copysign(1.0, mode.radial) / largest_along(displacement, mode.degree)
+    grid = np.linspace(0.0, np.pi, POINTS * mode.degree + 3)
+    scale = np.copysign(1.0, mode.radial) / largest_along(displacement, grid, displacement(grid))
     return Mode(f"{mode.label}c{order}", mode.degree, mode.radial * scale, mode.meridional * scale)
 
 

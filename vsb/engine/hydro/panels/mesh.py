@@ -1,6 +1,5 @@
 """Panels of the wetted mean shell and of its deformed shapes."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -11,9 +10,8 @@ from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 
-DISPLAY_AMPLITUDE = 0.1
-"""Modal amplitude of the deformed meshes for display, in radii or, where less, double drafts: all shapes stay wet."""
-DISPLAY_ROWS = 40
+DISPLAY_ROWS, ROWS_PER_DEGREE, MOST_DISPLAY_ROWS = 40, 2, 120
+"""Rows of panels of a shell for display from pole to pole at least, over the highest degree, and at most."""
 
 
 def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
@@ -78,31 +76,21 @@ def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, Fl
     return vertices, faces
 
 
-def write_wet_shell(shell: DeformedShell, path: str | Path) -> None:
-    """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
+def write_shell(shell: DeformedShell, path: str | Path) -> None:
+    """Write a shell at rest as quadrilaterals with the displacement of every mode per unit amplitude at its points.
 
-    Each wet segment is a band of rows, so shells with several waterlines are written, too.
+    To any format meshio knows with vectors at points, named as the modes: what a viewer deforms it by. Of each cell
+    `wet` says whether it is under water.
     """
-    points: list[FloatArray] = []
-    faces: list[FloatArray] = []
-    for start, end in shell.wet_segments:
-        meridian = shell.meridian(graded_colatitudes(start, DISPLAY_ROWS, end))
-        vertices, quads = revolved(meridian.x, meridian.z, 2 * DISPLAY_ROWS)
-        faces.append(quads + sum(len(p) for p in points))
-        points.append(vertices)
-    mesh = meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))])
+    rows = min(max(DISPLAY_ROWS, ROWS_PER_DEGREE * shell.basis.turns), MOST_DISPLAY_ROWS)
+    at = shell.meridian(np.linspace(0.0, np.pi, rows + 1))
+    points, faces = revolved(at.x, at.z, DISPLAY_ROWS)
+    directions = revolved(np.ones(len(at.x)), np.zeros(len(at.x)), DISPLAY_ROWS)[0].astype(np.float32)
+    across, up = (np.repeat(one, DISPLAY_ROWS, axis=1).astype(np.float32) for one in (at.shape_x, at.shape_z))
+    moved = directions * across[..., None]
+    moved[..., 2] = up
+    modes = dict(zip(shell.basis.labels[1:], moved[1:], strict=True))
+    wet = (points[faces, 2].mean(axis=1) < 0).astype(np.int8)
+    mesh = meshio.Mesh(points, [("quad", faces)], point_data=modes, cell_data={"wet": [wet]})
     with atomic_write(path) as temporary:
         mesh.write(temporary, file_format=Path(path).suffix.removeprefix("."))
-
-
-def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
-    """Return the mean shell and the shell deformed by plus and minus `DISPLAY_AMPLITUDE` radii of every mode."""
-    shapes = {"mean": shell}
-    radius = shell.basis.shell.radius
-    size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
-    for j, label in enumerate(shell.basis.labels[1:], start=1):
-        for name, sign in (("minus", -1.0), ("plus", 1.0)):
-            moved = shell.modal_amplitude.copy()
-            moved[j] += sign * size
-            shapes[f"{label}_{name}"] = replace(shell, modal_amplitude=moved)
-    return shapes

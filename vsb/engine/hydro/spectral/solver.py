@@ -246,18 +246,20 @@ def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> f
     return max(relative(far[name] - limit.values, limit.values) for name, limit in limits.items())
 
 
-def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, xr.Dataset]:
+def resolved(
+    problem: SpectralProblem, omegas: list[float], tolerance: float, most: int = MOST_NODES
+) -> tuple[SpectralProblem, xr.Dataset]:
     """Return the problem with as many points as the frequencies need, by doubling, and its estimated errors.
 
-    Raises `ConvergenceError` if `MOST_NODES` points do not reach the tolerance.
+    Raises `ConvergenceError` if `most` points do not reach the tolerance.
     """
-    while problem.nodes <= MOST_NODES:
+    while problem.nodes <= most:
         estimate = problem.error_estimate(omegas)
         if (error := largest_error(estimate)) <= tolerance:
             return problem, estimate
         problem = replace(problem, nodes=2 * problem.nodes)
     raise ConvergenceError(
-        f"hydro.tolerance: received {tolerance:g}, the spectral solver reaches {error:.1e} with {MOST_NODES} points; "
+        f"hydro.tolerance: received {tolerance:g}, the spectral solver reaches {error:.1e} with {most} points; "
         "raise it, lower hydro.omega_max, or set hydro.solver: panels"
     )
 
