@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import yaml
-from conftest import HERE, SMALL, only_run, varied
+from conftest import HERE, SMALL, only_run, run_at, varied
 
 from benchmarks.hard_cases import hydro_files
 from vsb.engine.integrators.harmonic_balance import harmonic_balance
@@ -42,7 +42,6 @@ from vsb.models.take_off import (
 from vsb.pipeline.graph import StudyPlan
 from vsb.results.ladder import CAUSAL, SAME_FORCE, study_ladder
 from vsb.stages.preview import check
-from vsb.stages.simulate import run_simulate
 from vsb.study.sections import Drag
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_file
@@ -441,7 +440,8 @@ def test_work_of_the_law_is_the_absorbed_power(model, install, small, tmp_path):
     install()
     one = study(model)
     check(StudyPlan(one))
-    run_simulate(only_run(one), str(tmp_path / "run.nc"), **small.hydro_files)
+    task = StudyPlan(one).simulation(*one.designs, one.waves[0])
+    run_at(task, out=str(tmp_path / "run.nc"), **small.hydro_files)
     run = load_file(tmp_path / "run.nc")
     velocity, parameters = run.velocity.sel(dof="Heave").values, one.pto.parameters
     law = -parameters["coefficient"] * np.abs(velocity) ** 1.5 * np.sign(velocity) * np.clip(run.time / 5.0, 0, 1)

@@ -243,7 +243,7 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
         Is called with every buoy evaluated.
     """
     scaled = problem.rescaled(start)
-    point, best = scaled.at(start.place), None
+    point = scaled.at(start.place)
     if point.violation > BEYOND and problem.variables:
         point, conflict, _ = within_limits(scaled, point, seen)
         if conflict:
@@ -252,19 +252,29 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
         point = scaled.at(point.place)
     if not problem.variables:
         return _certified(scaled, point, multipliers(point), None, "no variables")
+    best, other = _climbed(scaled, point, seen)
+    if other is not None and not best.accepted:
+        again, _ = _climbed(problem.rescaled(other), other, seen)
+        best = again if again.accepted else best
+    return best
+
+
+def _climbed(problem: Problem, point: Point, seen: Progress | None) -> tuple[Optimum, Point | None]:
+    """The end of a search from a point, and the side of the last saddle on its way that was not taken, if any."""
+    beside: list[Point] = []
     for close, change in ROUNDS:
-        point, message = _searched(scaled, point, (close, change), seen)
-        polished, found, curved = _polished(scaled.rescaled(point), point)
-        best = _certified(scaled, polished, found, curved, message)
+        point, message = _searched(problem, point, (close, change), seen)
+        polished, found, curved = _polished(problem.rescaled(point), point)
+        best = _certified(problem, polished, found, curved, message)
         point = best.point
         if best.accepted:
             break
-        scaled = scaled.rescaled(point)
-        point = scaled.at(point.place)
+        problem = problem.rescaled(point)
+        point = problem.at(point.place)
         if curved and curved.saddle:
-            point = _off_saddle(scaled, point, found, curved)
-    assert best is not None
-    return best
+            beside = _beside_saddle(problem, point, found, curved)
+            point = beside[0] if beside else point
+    return best, beside[1] if len(beside) > 1 else None
 
 
 OF_POWER = (POWER, "power_per_mass", "power_per_surface")
@@ -354,15 +364,15 @@ def _polished(problem: Problem, point: Point) -> tuple[Point, Multipliers, Curva
     return point, multipliers(point), curved
 
 
-def _off_saddle(problem: Problem, point: Point, found: Multipliers, curved: Curvature) -> Point:
-    """A point beside a saddle, along the direction that gives most; the saddle itself if none rests there."""
+def _beside_saddle(problem: Problem, point: Point, found: Multipliers, curved: Curvature) -> list[Point]:
+    """Points at either side of a saddle along the direction that gives most, the better first; those that rest."""
     beside = []
     for step in (OFF_SADDLE, -OFF_SADDLE):
         try:
             beside.append(problem.at(np.clip(point.place + step * curved.directions[:, 0], 0.0, 1.0)))
         except IMPOSSIBLE:
             continue
-    return min(beside, key=lambda one: one.cost + float(found.limits @ one.excess), default=point)
+    return sorted(beside, key=lambda one: one.cost + float(found.limits @ one.excess))
 
 
 def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curvature | None, message: str) -> Optimum:
