@@ -151,16 +151,29 @@ def test_a_flat_ridge_is_named_and_accepted():
     )
 
 
-def test_a_search_that_ends_at_a_saddle_goes_on_from_beside_it():
-    def saddle(values):
-        m, k = values - [4.25, 0.0]
-        return {"annual_mean_power": Quantity(10 - m**2 + k**2 + k**3 / 9, np.array([-2 * m, 2 * k + k**2 / 3]))}
+def saddle(values):
+    m, k = values - [4.25, 0.0]
+    return {"annual_mean_power": Quantity(10 - m**2 + k**2 + k**3 / 9, np.array([-2 * m, 2 * k + k**2 / 3]))}
 
+
+def test_a_search_that_ends_at_a_saddle_goes_on_from_beside_it():
     of = problem(saddle)
     found = optimised(of, of.at(np.array([0.9, 0.5])))  # on the line along which the saddle is a maximum
     assert found.accepted is True  # no number of numpy, which JSON knows not
     assert found.point.values[0] == pytest.approx(4.25, abs=1e-6)
     assert list(found.multipliers) == ["upper bound of pto.stiffness"]  # the side that gives more
+
+
+def test_a_saddle_is_left_to_the_other_side_where_the_better_one_ends_at_no_optimum():
+    def partly(values):
+        if values[1] > 0.4:
+            raise ConvergenceError("the shell has no equilibrium")
+        return saddle(values)
+
+    of = problem(partly)
+    found = optimised(of, of.at(np.array([0.9, 0.5])))
+    assert found.accepted
+    assert list(found.multipliers) == ["lower bound of pto.stiffness"]
 
 
 def test_the_line_search_backs_off_where_the_shell_does_not_rest():

@@ -103,7 +103,7 @@ def test_damper_matrices_of_each_sea_are_counted(tmp_path, tuning, seconds):
 
 
 def test_causal_control_costs_the_cells_and_the_band(tmp_path):
-    """Two points of a small buoy at PacWave, measured 72 CPU-seconds, were told as 21."""
+    """Two points of a small buoy at PacWave, take 72 CPU-seconds; the estimate was 21."""
     raw = {"study": "shell", "device": {"radius": 0.715, "thickness": 0.00615, "young_modulus": 3e7}}
     raw["device"] |= {"poisson_ratio": 0.29, "density": 1032.0, "mass": 763.0, "internal_pressure": 1.2e4}
     raw |= {"designs": {"FSB": {"flexible": False}, "VSB": {}}, "modes": {"basis": "full", "degree": 6}}
@@ -118,7 +118,7 @@ def test_causal_control_costs_the_cells_and_the_band(tmp_path):
 
 
 def test_body_solved_in_parts_costs_the_planes_of_symmetry_it_has():
-    """Its mesh has two, which a plan does not know: 18 CPU-seconds were told as 108."""
+    """Its mesh has two, which a plan does not know: 18 CPU-seconds were estimated as 108."""
     (line,) = cost_lines(plan_of(str(EXAMPLE.parent / "hinged_barge.yaml"), "nowhere"))
     assert 9 < float(line.split("about ")[1].removesuffix(" s on one core")) < 36
 

@@ -473,11 +473,10 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """A mesh to look at: the shell at rest with the displacement of each axisymmetric mode; studies share it."""
         modes, folder = self.study.modes.without_tolerance, f"{self.root}/hydro/mesh/{ID}"
         shell = self.shell(**({"modes": modes.model_copy(update={"order": 1})} if self.study.flexible else {}))
-        files, seconds = (
-            {"manifest": f"{folder}/manifest.json"},
-            costs.motions_seconds("display", len(self.mode_labels)),
-        )
-        return Task.of("display", {"study": shell}, f"{folder}/shell.vtu", files=files, seconds=seconds)
+        return Task.of(
+            "display", {"study": shell}, f"{folder}/shell.vtu", files={"manifest": f"{folder}/manifest.json"},
+            seconds=costs.motions_seconds("display", len(self.mode_labels)),
+        )  # fmt: skip
 
     def block_path(self, block: AnyBlock) -> str:
         """Coefficients of a block of frequencies."""

@@ -102,7 +102,7 @@ def cost_lines(plan: Plan) -> list[str]:
         from vsb.stages.body_preview import solving_seconds
 
         apart = [task for task in plan.tasks if task.stage == "frequencies"]
-        if apart:  # of one body: their database takes what is told
+        if apart:  # of one body: their database takes all of the estimate
             share = solving_seconds(some[0]) / sum(task.seconds for task in apart)
             known = {task.out: share * task.seconds for task in apart}
         else:

@@ -201,7 +201,7 @@ def floating(ds: xr.Dataset, source: str) -> Floating:
 
 
 def _device(ds: xr.Dataset) -> dict[str, Any]:
-    """The buoy a database is of, as far as its spec tells."""
+    """The device of a database by its spec; empty if it names none."""
     spec = json.loads(ds.attrs.get("spec", "{}"))
     found: dict[str, Any] = spec.get("study", spec).get("device", {})  # until 1.0.0 beside all else
     return found

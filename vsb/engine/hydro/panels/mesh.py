@@ -11,7 +11,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 
 DISPLAY_ROWS, ROWS_PER_DEGREE, MOST_DISPLAY_ROWS = 40, 2, 120
-"""Rows of panels of a shell for display from pole to pole at least, over the highest degree, and at most."""
+"""Panels of a shell for display: around it and from pole to pole at least; there over the highest degree, at most."""
 
 
 def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
