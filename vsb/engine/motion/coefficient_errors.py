@@ -22,6 +22,7 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import Port, Ports
 from vsb.engine.waves.water import haskind_factor
 from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.compiled import njit
 
 
 class CoefficientError(NamedTuple):
@@ -98,16 +99,35 @@ class Sensitivity:
         found = float(np.abs(self.excitation * force).sum())
         if not self.products:
             return found
-        held = np.zeros(mass.shape[1:]) if error.stiffness is None else np.abs(error.stiffness)
         towards, response = (np.stack(side) for side in zip(*self.products, strict=True))
-        step = max(1, AT_ONCE // mass.shape[1] ** 2)
-        for part in (slice(start, start + step) for start in range(0, len(self.omega), step)):
-            w = self.omega[part, None, None]
-            z = np.einsum("kwi,kwj->wij", towards[:, part], response[:, part])
-            z = z + z.swapaxes(1, 2)  # derivatives by D, made symmetric
-            of_both = np.abs(z.real) * (w**2 * np.abs(mass[part]) + held) + np.abs(z.imag) * w * np.abs(damping[part])
-            found += 0.5 * float(of_both.sum())
-        return found
+        held = np.zeros(mass.shape[1:]) if error.stiffness is None else error.stiffness
+        given = map(np.ascontiguousarray, (self.omega, towards, response, mass, damping, held))  # compiled once
+        return found + float(_of_entries(*given))
+
+
+@njit(cache=True)
+def _of_entries(
+    omega: FloatArray,
+    towards: ComplexArray,
+    response: ComplexArray,
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+) -> float:
+    """Sizes of the derivatives by D, sums of products (product, omega, dof), times those of errors, entry by entry."""
+    found = 0.0
+    for w in range(len(omega)):
+        for i in range(towards.shape[2]):
+            for j in range(i + 1):
+                z = 0j
+                for k in range(len(towards)):
+                    z += towards[k, w, i] * response[k, w, j] + towards[k, w, j] * response[k, w, i]
+                of_mass = omega[w] ** 2 * (abs(mass[w, i, j]) + abs(mass[w, j, i]))
+                of_stiffness = abs(stiffness[i, j]) + abs(stiffness[j, i])
+                of_damping = omega[w] * (abs(damping[w, i, j]) + abs(damping[w, j, i]))
+                both = abs(z.real) * (of_mass + of_stiffness) + abs(z.imag) * of_damping
+                found += both / (2 if j < i else 4)
+    return found
 
 
 def sensitivity(
