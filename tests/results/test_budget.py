@@ -4,6 +4,8 @@ The gains are those of a separate multipole computation of the floating hemisphe
 energy, which shares no code with the package, each design at its optimal damping, to 0.05 points.
 """
 
+import math
+
 import numpy as np
 import pytest
 from conftest import varied
@@ -14,8 +16,17 @@ from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
+from vsb.models import mode_convergence
 from vsb.models.floating_system import BuoyOfShape, floating_system, port_in_seas
-from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled
+from vsb.models.mode_convergence import (
+    MOST_FREQUENCIES,
+    ModeConvergence,
+    _Around,
+    _solved_around,
+    directed,
+    powers_of_ports,
+    sampled,
+)
 from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
 from vsb.results.budget import left_out_of_year, modes_left_out
@@ -164,17 +175,25 @@ def test_damper_matrices_have_an_interval_that_contains_the_powers_of_many_modes
     assert np.all(change <= found.sel(end="high").values + 1e-9)
 
 
-def test_in_shallow_water_modes_are_compared_to_the_degree_that_is_resolved(seed):
-    """A deep sphere at three diameters over the bed: the solver does not resolve twice the degree."""
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (1.12, 6.2)]
-    modes = {"basis": "full", "degree": 120}
+def test_in_shallow_water_modes_are_compared_to_the_degree_that_is_resolved(seed, monkeypatch):
+    """A deep sphere at three diameters over the bed, where 128 points resolve neither 2 nor 1.5 times the degree."""
     study = varied(
-        seed, device={"mass": 32500.0}, water={"depth": 7.7}, hydro={"omega_max": 6.0}, waves=waves, modes=modes
+        seed,
+        device={"mass": 32500.0},
+        water={"depth": 7.7},
+        hydro={"omega_max": 6.0},
+        waves=[{"kind": "regular", "amplitude": 0.1, "period": 2.2}],
+        modes={"basis": "full", "degree": 30},
     )
+    enough = convergence(study).enough
+    assert convergence(study).finer == 2 * enough
+    monkeypatch.setattr(mode_convergence, "MOST_POINTS", 128)
+    _solved_around.cache_clear()
     found = convergence(study)
-    with pytest.raises(ConvergenceError):
-        found._around(reference_shell(study).shape, 240)
-    assert 120 <= found.finer < 240
+    for factor in (2.0, 1.5):
+        with pytest.raises(ConvergenceError):
+            found._around(reference_shell(study).shape, math.ceil(factor * enough))
+    assert found.finer == math.ceil(1.25 * enough)
 
 
 CLAMPED = {"VSWEC90": {"clamp": 90}}
