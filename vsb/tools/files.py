@@ -314,10 +314,9 @@ def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] |
     stored[ROOT].attrs["checksum"] = checksum(stored)
     with atomic_write(path) as temporary:
         for name, group in stored.items():
-            large = {one: {"zlib": True, "complevel": 1} for one, v in group.data_vars.items() if v.size > 10_000}
             mode: Literal["w", "a"] = "w" if name == ROOT else "a"
             try:
-                group.to_netcdf(str(temporary), engine="netcdf4", mode=mode, group=name, encoding=large)
+                group.to_netcdf(str(temporary), engine="netcdf4", mode=mode, group=name)
             except RuntimeError as error:  # netCDF's error for a full disk
                 raise OSError(str(error)) from None
         seal(temporary)
@@ -418,16 +417,17 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
     import xarray as xr  # half a second, which commands that read no data do not wait for
 
-    sealed(path)
+    whole = sealed(path)
     try:
         groups = {}
         for name, ds in xr.open_groups(path, engine="netcdf4").items():
             with ds:
                 groups[name.removeprefix("/") or ROOT] = ds.load()
-        found = checksum(groups)
+        stated = groups[ROOT].attrs.get("checksum")
+        changed = not whole and stated is not None and stated != checksum(groups)
     except Exception as error:  # a damaged file may raise anything in the libraries that read it
         raise DatabaseError(f"{path}: cannot be read as netCDF ({reason_of(error)}); {DELETE}.") from None
-    if groups[ROOT].attrs.get("checksum", found) != found:
+    if changed:
         raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
     return groups
 
