@@ -32,7 +32,7 @@ from vsb.report.campaign_answer import (
     where,
     whole_answer,
 )
-from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, number_cells, plain_numbers, style
+from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, number_cells, style
 from vsb.report.interactive import as_script, in_motion
 from vsb.report.page import captioned, page
 from vsb.results.campaign import damper
@@ -334,7 +334,9 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
     columns = 1 if numbered and across > SIDE_BY_SIDE else min(2, len(designs))
     rows = -(-len(designs) // columns)
     height = max(2.3, 0.7 + CELL * up) if numbered else 2.3
-    figure, axes = grid_of_axes(0.6 + 0.6 * numbered + height * rows, rows, columns, sharex=True, sharey=True)
+    figure, axes = grid_of_axes(
+        0.6 + 0.6 * numbered + height * rows, rows, columns, "constrained", sharex=True, sharey=True
+    )
     image = None
     for ax, design in zip(axes.ravel(), designs, strict=False):
         ax.grid(visible=False)
@@ -429,8 +431,6 @@ def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     wide, kind = CONSTRAINED in ds.tuning.values, kind_of(ds)
     ax.set(xlabel=f"rms {kind.load} of the take-off [k{kind.load_unit}]", ylabel="mean power of the year [kW]")
     ax.set(xscale="log", yscale="log") if wide else ax.set(xlim=(0, None), ylim=(0, None))
-    for axis in (ax.xaxis, ax.yaxis) if wide else ():
-        plain_numbers(axis)
     legend_above(figure, ax)
     return figure
 
@@ -531,7 +531,7 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     shown = [(design, place) for place in rows_of for design in others]
     columns = len(others) if third else min(2, len(others))
     rows = -(-len(shown) // columns)
-    figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
+    figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, "constrained", sharex=True, sharey=True)
     gains = reported_gain(at, tuning).sel(design=list(others)).values
     largest = max(1.0, float(np.nanpercentile(np.abs(gains), 95)))
     for ax, (design, place) in zip(axes.ravel(), shown, strict=False):

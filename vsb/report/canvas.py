@@ -12,7 +12,7 @@ import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from vsb.report.answer import lowest
 from vsb.study.figure_names import FIGURE_KINDS
@@ -30,6 +30,10 @@ from vsb.tools.files import atomic_write
 from vsb.tools.variables import FORCE, PortKind
 from vsb.tools.words import csv_text, plain
 
+PAD = 0.5
+"""Room around axes with their labels, in heights of letters."""
+FEW_DECADES = 100.0
+"""Ratio of the ends of a logarithmic axis up to which it has more numbers than powers of ten."""
 WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
 PERIODS = 15
@@ -89,14 +93,19 @@ def style(design: str, designs: Sequence[str], reference: str | None = None) -> 
     return {"color": colour, "linestyle": line, "label": design}
 
 
-def grid_of_axes(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of page width with a grid of axes, always a 2-D array of them; no matplotlibrc of a user changes it."""
+def grid_of_axes(
+    height: float, rows: int = 1, columns: int = 1, layout: Literal["constrained"] | None = None, **options: Any
+) -> tuple[Figure, np.ndarray]:
+    """A figure of page width with a grid of axes, always a 2-D array of them; no matplotlibrc of a user changes it.
+
+    Its `layout` is that of `lay_out`, which leaves no room for bars of colours: those need a constrained one.
+    """
     mpl.rcdefaults()
     mpl.rcParams.update({
         "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.3, "svg.hashsalt": "vsb",
         "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False, "font.family": "DejaVu Sans",
     })  # fmt: skip
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Figure(figsize=(WIDTH, height), layout=layout)
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
@@ -106,8 +115,14 @@ def legend_above(figure: Figure, *axes: Axes) -> None:
     named = {label: handle for own in entries for handle, label in own}
     handles, labels = list(named.values()), list(named)
     columns = min(len(labels), max(1, int(80 / (6 + max(map(len, labels))))))
-    figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=8)
+    figure.legend(handles, labels, loc="upper center", ncols=columns, fontsize=8, borderaxespad=PAD)
     figure.set_figheight(figure.get_figheight() + 0.17 * (math.ceil(len(labels) / columns) - 1))
+
+
+def title_above(figure: Figure, title: str) -> None:
+    """Write a title at the top of a figure."""
+    size = mpl.rcParams["font.size"]
+    figure.suptitle(title, fontsize=size, y=1 - PAD * size / 72 / figure.get_figheight())
 
 
 def period_axis(ax: Any, ticks: Sequence[float] = (1.5, 2, 2.5, 3, 4, 6, 10)) -> None:
@@ -144,11 +159,19 @@ def zero_axis(ax: Axes) -> None:
         ax.set_yticks([0.0])
 
 
-def plain_numbers(axis: Axis) -> None:
-    """Number a logarithmic axis of few decades as 5, 10, 20, without powers of ten."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+def number_decades(axis: Axis) -> None:
+    """Number a logarithmic axis by powers of ten, written as letters; one of few decades as 5, 10, 20."""
+    low, high = sorted(axis.get_view_interval())
+    few = high < FEW_DECADES * low
+    if few:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value) if few else _power_of_ten(value)))
     axis.set_minor_formatter(NullFormatter())
+
+
+def _power_of_ten(value: float) -> str:
+    """A power of ten with its exponent raised."""
+    return "10" + str(round(math.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def bin_edges(centres: np.ndarray, width: float) -> np.ndarray:
@@ -241,8 +264,27 @@ def drawn(figure: Figure, name: str) -> Drawn:
     return Drawn(_for_page(text, figure, name), data_csv(figure))
 
 
+def lay_out(figure: Figure) -> None:
+    """Give axes what their labels and legends of the figure leave, and logarithmic ones numbers, before it is drawn.
+
+    Labels are measured once, where a constrained layout of matplotlib's does so twice.
+    """
+    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
+        if isinstance(axis.get_major_formatter(), LogFormatterSciNotation):
+            number_decades(axis)
+    if figure.get_layout_engine():
+        return
+    height, above = figure.get_figheight(), sum(one.get_window_extent().height for one in figure.legends) / figure.dpi
+    figure.set_figheight(height - above)
+    figure.tight_layout(pad=PAD)
+    figure.set_figheight(height)
+    share = 1 - above / height
+    figure.subplots_adjust(top=share * figure.subplotpars.top, bottom=share * figure.subplotpars.bottom)
+
+
 def svg_text(figure: Figure) -> str:
     """Return a figure as SVG without a date; drawn once, where `savefig` draws all of it twice to lay it out."""
+    lay_out(figure)
     text, dpi, canvas = io.StringIO(), figure.dpi, FigureCanvasSVG(figure)
     canvas.print_svg(text, metadata={"Date": None, "Creator": "vsb"})  # type: ignore[no-untyped-call]
     figure.set_dpi(dpi)
@@ -251,6 +293,7 @@ def svg_text(figure: Figure) -> str:
 
 def for_print(figure: Figure, kind: str) -> bytes:
     """Return a figure as a file of another kind that matplotlib writes: pdf with real text, png at 300 dots an inch."""
+    lay_out(figure)
     looks: Any = {"pdf.fonttype": 42, "path.simplify_threshold": 0.25}
     with mpl.rc_context(looks), io.BytesIO() as sheet:
         figure.savefig(sheet, format=kind, dpi=300, metadata=_AUTHOR[kind])

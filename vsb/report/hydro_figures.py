@@ -10,7 +10,7 @@ from matplotlib.ticker import FixedLocator
 from vsb.engine.hydro.variables import ROTATIONS, is_rigid, motion_of
 from vsb.engine.waves.climate import Climate
 from vsb.models.shape_dependence import _CURVES, _EXPANSIONS, NEGLIGIBLE, largest_mode, power_effects, relative_slope
-from vsb.report.canvas import StudyData, grid_of_axes, legend_above, period_axis, plain_numbers, style
+from vsb.report.canvas import StudyData, grid_of_axes, legend_above, period_axis, style
 from vsb.tools.arrays import FloatArray
 
 LEAST = 0.01
@@ -29,8 +29,6 @@ _COEFFICIENTS = {
 _COLOURS = ("#56B4E9", "#009E73", "#CC79A7")
 """Of the three frequencies."""
 _OF_HEAVE = {"added_mass": ("added mass", "o"), "radiation_damping": ("damping", "s")}
-FEW = 100.0
-"""Ratio of the ends of a logarithmic axis up to which it has more numbers than powers of ten."""
 
 
 def spectra(data: StudyData) -> Figure:
@@ -91,8 +89,6 @@ def added_mass_damping(data: StudyData) -> Figure:
         bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
     turns = any(_turns(str(label)) for label in labels)  # a rotation beside displacements
     top.set(ylabel="added mass\n[kg, rotations kg m²]" if turns else "added mass [kg]", yscale="log")
-    if np.divide(*top.get_ylim()[::-1]) < FEW:
-        plain_numbers(top.yaxis)
     largest = float(database.radiation_damping.max())
     unit = "\n[N s/m, rotations N m s]" if turns else " [N s/m]"
     bottom.set(ylabel=f"radiation damping{unit}", yscale="log", ylim=(1e-5 * largest, 2 * largest))

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from vsb.engine.hydro.dofs import flexible
 from vsb.engine.hydro.variables import RIGID, is_of_ring
 from vsb.engine.shell.orders import goes_with_sine
-from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
+from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style, title_above
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -32,7 +32,7 @@ def mode_shapes(data: StudyData) -> Figure:
     phi, rest = modes.colatitude.values, _beyond_sphere(modes) / float(modes.attrs.get("radius", 1.0))
     for ax in axes.flat:
         ax.set_axis_off()
-        ax.set_aspect("equal")
+        ax.set(aspect="equal", xticks=[], yticks=[])  # ticks would be measured, unseen as they are
     for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
         shape = modes.sel(mode=mode)
         v, u = shape.radial.values, shape.meridional.values
@@ -46,7 +46,7 @@ def mode_shapes(data: StudyData) -> Figure:
         ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
     some = f"{count} of {total} shell modes" if count < total else "Shell modes"
     title = f"{some} (black: undeformed)" if count else "A rigid study has no shell modes"
-    figure.suptitle(title, fontsize=9)
+    title_above(figure, title)
     return figure
 
 
@@ -57,15 +57,18 @@ def snapshots(data: StudyData, wave: str) -> Figure:
     factor = _magnification(data, wave)
     end = data.window[1]
     instants = end - min(data.periods[wave], end) * np.linspace(1, 0, columns, endpoint=False)
+    reach = 1.5 * max(float(data.modes.attrs["radius"]), float(np.abs(_at_rest(data.modes)[1]).max()))
+    axes[0, 0].set(xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])  # of all, which share them
     for row, design in enumerate(data.designs):
-        for ax, instant in zip(axes[row], instants, strict=True):
-            _snapshot(data, ax, data.runs[design, wave].sel(time=instant, method="nearest"), design, factor)
-            if row == 0:
-                ax.set_title(f"t = {instant:.2f} s", fontsize=8)
+        run = data.runs[design, wave].sel(time=instants, method="nearest")
+        for i, ax in enumerate(axes[row]):
+            _snapshot(data, ax, run.isel(time=i), design, factor)
         axes[row, 0].set_ylabel(folded(design), fontsize=7)
+    for ax, instant in zip(axes[0], instants, strict=True):
+        ax.set_title(f"t = {instant:.2f} s", fontsize=8)
     rest = "heave, pitch and wave" if "order" in data.modes else "heave and wave"
     scale = f"Shell displacement times {factor:g}, {rest} times 1" if factor > 1 else "All to scale"
-    figure.suptitle(f"{scale} (dotted: undeformed)", fontsize=9)
+    title_above(figure, f"{scale} (dotted: undeformed)")
     return figure
 
 
@@ -133,24 +136,26 @@ def outline(modes: xr.Dataset, run: xr.Dataset, factor: float) -> tuple[FloatArr
     return _closed(*_meridians(modes, run, factor))
 
 
+def _at_rest(modes: xr.Dataset) -> tuple[FloatArray, FloatArray]:
+    """Outline of a shell at rest around its centre."""
+    return _closed(*2 * [_half(float(modes.attrs["radius"]), modes.colatitude.values, *_beyond_sphere(modes))])
+
+
 def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: float) -> None:
     """Draw one buoy in the water at one instant."""
     modes = data.modes
-    r, phi = float(modes.attrs["radius"]), modes.colatitude.values
     centre = float(modes.attrs["centre_height"]) + float(run.position[0])
     x, z = outline(modes, run, factor)
     if "Pitch" in run.dof:  # about the sphere's centre; surge, which may drift, is left out
         angle = float(run.position.sel(dof="Pitch"))
         x, z = x * np.cos(angle) + z * np.sin(angle), z * np.cos(angle) - x * np.sin(angle)
     z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
-    rest_x, rest_z = _closed(*2 * [_half(r, phi, *_beyond_sphere(modes))])
-    reach = 1.5 * max(r, float(np.abs(rest_z).max()))
-    ax.axhspan(-3 * reach, level, color="#56B4E9", alpha=0.25, linewidth=0)
+    rest_x, rest_z = _at_rest(modes)
+    ax.axhspan(level - 10 * float(np.ptp(rest_z)), level, color="#56B4E9", alpha=0.25, linewidth=0)
     ax.axhline(level, color="#0072B2", linewidth=0.8)
     ax.plot(rest_x, centre + rest_z, color="#999999", linewidth=0.6, linestyle=":")
     ax.plot(x, z, color=data.style(design)["color"])
-    ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])
-    ax.grid(visible=False)
+    ax.set_aspect("equal")
     ax.spines[:].set_visible(False)
 
 
@@ -171,7 +176,7 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
         lowest = run.isel(time=int(np.argmin(_height(data, run).values)))
         ax.plot(*outline(data.modes, lowest, factor), **data.style(design))
     ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
-    figure.suptitle(f"Smallest distance between the poles; shell displacement magnified {factor:g} times", fontsize=9)
+    title_above(figure, f"Smallest distance between the poles; shell displacement magnified {factor:g} times")
     ax.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8)
     return figure
 
@@ -198,7 +203,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
         ax.tick_params(labelsize=7, pad=-2)
         ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=1.02)
     title = f"{design}, height between the poles, shell displacement magnified {factor:g} times; z in m"
-    figure.suptitle(title, fontsize=9)
+    title_above(figure, title)
     return figure
 
 
