@@ -15,14 +15,14 @@ from vsb.keys.schema import Schema, schema_of
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.study import Study
+from vsb.study.study import BuoyStudy
 from vsb.tools.commands import commands
 from vsb.tools.words import superscripts
 
 DOCS = Path(__file__).parent
 FILES = {
     "Study": (
-        Study,
+        BuoyStudy,
         "A study file",
         "For `vsb run` and `vsb check`; `vsb init my_buoy.yaml` writes one to begin with.",
     ),

@@ -28,7 +28,7 @@ from vsb.pipeline import plans as planning
 from vsb.pipeline.plans import plan_of
 from vsb.stages.body_preview import check
 from vsb.study.body import BodyStudy, load_body
-from vsb.study.study import Study, load
+from vsb.study.study import BuoyStudy, load
 from vsb.tools.commands import commands, long_options
 
 HOME = Path(__file__).parent.parent
@@ -46,7 +46,7 @@ def generate():
 
 def test_every_key_stands_in_the_reference(generate):
     page = generate.keys_page()
-    for model in (Study, BodyStudy, BodyFile):
+    for model in (BuoyStudy, BodyStudy, BodyFile):
         for name in dotted(schema_of(model)):
             assert f"\n| `{name.rpartition('.')[2]}` |" in page
     assert (

@@ -206,7 +206,7 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     made = recipe(
         "A stage of the workflow",
         Stamp=Stamp,
-        BuoyPart=specs.BuoyPart,
+        StudyPart=specs.StudyPart,
         write_text=write_text,
         record=record,
     )

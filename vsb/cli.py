@@ -19,12 +19,12 @@ from vsb.keys.quantities import Section
 from vsb.keys.reading import nearest
 from vsb.pipeline.graph import StudyPlan
 from vsb.pipeline.jobs import RULES
-from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of, with_degree
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, plan_of
 from vsb.stages.check import summary
 from vsb.stages.init import init, init_body, init_campaign, init_design
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import run_job
-from vsb.study.study import Study, load
+from vsb.study.study import BuoyStudy, load
 from vsb.tools.commands import long_options
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def schema(args: argparse.Namespace) -> int:
     from vsb.study.campaign import Campaign
     from vsb.study.design import Optimisation
 
-    models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign, "design": Optimisation}
+    models: dict[str, type[Section]] = {"study": BuoyStudy, "campaign": Campaign, "design": Optimisation}
     models |= {"body-study": BodyStudy, "body": BodyFile}
     print(json.dumps(schema_of(models[args.kind]), indent=1, allow_nan=False))
     return 0
@@ -122,7 +122,7 @@ def shell(args: argparse.Namespace) -> int:
     """
     from vsb.stages import preview
 
-    table = preview.shell_table(with_degree(StudyPlan(load(args.config))).study)
+    table = preview.shell_table(StudyPlan(load(args.config)).with_degree().study)
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
     return 0
 
@@ -264,7 +264,7 @@ def shape_dependence(args: argparse.Namespace) -> int:
     from vsb.stages import shape_dependence as stage
 
     answer = stage.shape_dependence(
-        with_degree(StudyPlan(load(args.config))).study, f"{args.out}.nc", f"{args.out}.svg"
+        StudyPlan(load(args.config)).with_degree().study, f"{args.out}.nc", f"{args.out}.svg"
     )
     print(f"{args.out}.nc {args.out}.svg\n{answer}")
     return 0

@@ -32,7 +32,6 @@ from vsb.models.floating_system import floating_system
 from vsb.models.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, reference_shell
 from vsb.models.viability import static_modal_amplitude, static_strain, viable, wrinkles
 from vsb.pipeline.graph import StudyPlan
-from vsb.pipeline.plans import with_degree
 from vsb.report.answer import gain_band
 from vsb.results.ledger import classical_check
 from vsb.stages.make import hydro_files
@@ -514,7 +513,7 @@ def _with_modes(study: Study, basis: str, degree: int) -> Study:
 def statics(folder: Path) -> dict[str, Value]:
     """Loads at which shells give way: the paper's, open inside and under pressure, and that of config/rubber.yaml."""
     del folder
-    study, rubber = with_degree(StudyPlan(vsb.load(PAPER_SHELL))).study, vsb.load(HOME / "config" / "rubber.yaml")
+    study, rubber = StudyPlan(vsb.load(PAPER_SHELL)).with_degree().study, vsb.load(HOME / "config" / "rubber.yaml")
     shell, least = complete_loaded_shell(study), viable(study).pressure
     carried, at_rest = complete_at_rest(_at_pressure(study, least))
     found: dict[str, Value] = {

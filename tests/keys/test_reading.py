@@ -18,7 +18,7 @@ from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.study import Study
+from vsb.study.study import BuoyStudy
 from vsb.tools.commands import HOME
 
 
@@ -128,28 +128,34 @@ WAVE = {"kind": "regular", "amplitude": 0.1}
 @pytest.mark.parametrize(
     ("model", "name", "section", "value", "expected"),
     [
-        (Study, "seed", "waves", [{**WAVE, "period": -2}], "waves.0.period: received -2; needs"),
-        (Study, "seed", "waves", [WAVE], "waves.0.period: missing"),
-        (Study, "seed", "waves", [3], "waves.0: received 3; needs a mapping of keys and values"),
-        (Study, "seed", "waves", {"kind": "still"}, r"waves: received a mapping; needs a list of them"),
-        (Study, "seed", "designs", {"a": {0: None}}, r"designs.a.0: .*a number has a decimal point"),
+        (BuoyStudy, "seed", "waves", [{**WAVE, "period": -2}], "waves.0.period: received -2; needs"),
+        (BuoyStudy, "seed", "waves", [WAVE], "waves.0.period: missing"),
+        (BuoyStudy, "seed", "waves", [3], "waves.0: received 3; needs a mapping of keys and values"),
+        (BuoyStudy, "seed", "waves", {"kind": "still"}, r"waves: received a mapping; needs a list of them"),
+        (BuoyStudy, "seed", "designs", {"a": {0: None}}, r"designs.a.0: .*a number has a decimal point"),
         (
-            Study,
+            BuoyStudy,
             "seed",
             "pto",
             {"port": {"between": [40]}},
             r"pto.port.between.1: received \[40\]; the list is too short",
         ),
-        (Study, "seed", "device", {"radius": 2, "damping": {"bta": 1}}, r"device.damping.bta: .* did you mean beta\?"),
-        (Study, "seed", "pto", {"port": {"line_to": [0, "a"]}}, "pto.port.line_to.1: received 'a'"),
         (
-            Study,
+            BuoyStudy,
+            "seed",
+            "device",
+            {"radius": 2, "damping": {"bta": 1}},
+            r"device.damping.bta: .* did you mean beta\?",
+        ),
+        (BuoyStudy, "seed", "pto", {"port": {"line_to": [0, "a"]}}, "pto.port.line_to.1: received 'a'"),
+        (
+            BuoyStudy,
             "seed",
             "pto",
             {"ports": {"a": "heave", "b": "heave"}},
             "pto.ports: a: received the port of b once more",
         ),
-        (Study, "seed", "designs", {"B b": {}}, "designs.B b: received 'B b'; needs letters"),
+        (BuoyStudy, "seed", "designs", {"B b": {}}, "designs.B b: received 'B b'; needs letters"),
         (Campaign, "year", "climate", {"spectra": 3}, "climate.spectra: received 3"),
         (Campaign, "year", "climate", {"scatr": "a"}, r"climate.scatr: .* did you mean scatter\?"),
         (BodyStudy, "barge", "simulation", {"rampTime": 9}, ".*did you mean window, which begins after the start-up"),
@@ -166,7 +172,7 @@ def test_keys_are_named_as_in_the_file(model, name, section, value, expected):
     assert re.match(f"file.yaml: {expected}", error.value.mistakes[0])
 
 
-MODELS = {"campaign": Campaign, "design": Optimisation, "study": Study, "body-study": BodyStudy, "body": BodyFile}
+MODELS = {"campaign": Campaign, "design": Optimisation, "study": BuoyStudy, "body-study": BodyStudy, "body": BodyFile}
 FILES = {path: path.read_text() for path in EXAMPLE.parent.glob("*.yaml")}
 CAMPAIGNS = sorted(path for path, text in FILES.items() if "\ncampaign:" in text)
 DESIGNS = sorted(path for path, text in FILES.items() if "\ndesign:" in text)
@@ -217,7 +223,7 @@ def by_schema(model):
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_shipped_studies_are_valid_by_the_schema(path):
     raw = numbers(yaml.safe_load(path.read_text()))
-    by_schema(BodyStudy if "body" in raw else Study).validate(raw)
+    by_schema(BodyStudy if "body" in raw else BuoyStudy).validate(raw)
 
 
 @pytest.mark.parametrize("path", CAMPAIGNS, ids=lambda path: path.stem)
@@ -259,4 +265,4 @@ def test_schema_refuses_what_a_study_refuses(place, value):
     for part in outer:
         here = here[part]
     here[last] = value
-    assert not by_schema(Study).is_valid(raw)
+    assert not by_schema(BuoyStudy).is_valid(raw)

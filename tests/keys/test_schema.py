@@ -18,7 +18,7 @@ from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.study import Study, unlikely_units
+from vsb.study.study import BuoyStudy, unlikely_units
 from vsb.tools.commands import HOME
 
 
@@ -38,7 +38,7 @@ def read(name):
 
 
 WHOLE = {
-    Study: read("seed.yaml"),
+    BuoyStudy: read("seed.yaml"),
     BodyStudy: read("barge.yaml"),
     BodyFile: read("barge/body.yaml"),
     Campaign: read("year.yaml") | {"vary": {"device.thickness": {"log": [0.01, 0.02, 3]}, "water.density": [1e3]}},
@@ -74,15 +74,23 @@ def test_ids_are_those_of_the_numbers_in_si():
     ],
 )
 def test_unit_of_a_damper_is_that_of_its_port(pto, read):
-    assert in_si(Study, {"pto": pto})["pto"]["damping"] == read
+    assert in_si(BuoyStudy, {"pto": pto})["pto"]["damping"] == read
 
 
 @pytest.mark.parametrize(
     ("model", "changes", "message"),
     [
-        (Study, {"pto": {"damping": "8 kN/m"}}, "pto.damping: received '8 kN/m'; needs a number in N s/m: kN/m is of"),
-        (Study, {"pto": {"damping": "8 kN s/m", "port": "volume"}}, "needs a number in Pa s/m.3: kN s/m is of another"),
-        (Study, {"mooring": ["20 kN/m", 0, 0, 0, 0, 0]}, "without a unit: 20 kN/m is 20000 N/m"),
+        (
+            BuoyStudy,
+            {"pto": {"damping": "8 kN/m"}},
+            "pto.damping: received '8 kN/m'; needs a number in N s/m: kN/m is of",
+        ),
+        (
+            BuoyStudy,
+            {"pto": {"damping": "8 kN s/m", "port": "volume"}},
+            "needs a number in Pa s/m.3: kN s/m is of another",
+        ),
+        (BuoyStudy, {"mooring": ["20 kN/m", 0, 0, 0, 0, 0]}, "without a unit: 20 kN/m is 20000 N/m"),
         (BodyStudy, {"body": {"bemio": "a", "mass": {"Pitch": "5 t"}}}, "without a unit: 5 t is 5000 kg"),
         (Optimisation, {"limits": {"force_rms": "20 kN"}}, "in N, without a unit: 20 kN is 20000 N"),
     ],
@@ -106,7 +114,7 @@ def test_a_unit_that_cannot_be_read_is_refused_with_the_conversion(model, change
     ],
 )
 def test_a_number_out_of_range_that_fits_in_another_unit_is_asked_for(section, values, guess):
-    raw = copy.deepcopy(WHOLE[Study])
+    raw = copy.deepcopy(WHOLE[BuoyStudy])
     raw[section] = raw.get(section, {}) | values
     if "draft" in values:
         del raw["device"]["mass"]
@@ -128,7 +136,7 @@ def test_a_number_out_of_range_that_fits_in_another_unit_is_asked_for(section, v
 )
 def test_a_number_unlikely_in_every_unit_is_asked_for_in_none(section, values):
     """Who writes 0.5 means a half, no shell has a quarter of a millimetre, no buoy a draft of 4.5 mm."""
-    raw = copy.deepcopy(WHOLE[Study])
+    raw = copy.deepcopy(WHOLE[BuoyStudy])
     raw[section] = raw.get(section, {}) | values
     if "draft" in values:
         del raw["device"]["mass"]
@@ -149,7 +157,7 @@ def test_a_number_unlikely_in_every_unit_is_asked_for_in_none(section, values):
 )
 def test_a_number_that_is_usual_only_in_another_unit_is_doubted(section, values, guess):
     """All are possible, so none is refused; each is a thousand times too small or more."""
-    raw = copy.deepcopy(WHOLE[Study])
+    raw = copy.deepcopy(WHOLE[BuoyStudy])
     raw[section] = raw.get(section, {}) | values
     if section == "water":
         raw["device"] |= {"mass": 30.0, "density": 1.0}

@@ -33,7 +33,6 @@ from vsb.models.rest import (
     with_rings,
 )
 from vsb.pipeline.graph import StudyPlan
-from vsb.pipeline.plans import with_degree
 from vsb.results.budget import modes_left_out
 from vsb.results.ledger import ring_width_checks
 from vsb.stages.make import make
@@ -219,7 +218,7 @@ AT_60 = {"port": {"colatitude": 60.0}, "damping": None, "tuning": "each"}
 def searched(study):
     """Powers of a study by degree."""
     return ModeConvergence(
-        with_degree(StudyPlan(study)).ladder.spec["study"], [wave.realisation(12.0, 0.0) for wave in study.waves]
+        StudyPlan(study).with_degree().ladder.spec["study"], [wave.realisation(12.0, 0.0) for wave in study.waves]
     )
 
 

@@ -116,7 +116,7 @@ SEA, WAVES = Harmonics(0.13, 0.5, 40), Harmonics(0.8, 1.0, 9)
 @pytest.mark.parametrize("cells", [1, 32])
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
 def test_mean_magnitude_is_an_upper_bound(harmonics, cells):
-    """BaseStudy with the mean between the roots of the polynomial, for any number of cells."""
+    """Compared with the mean between the roots of the polynomial, for any number of cells."""
     rng = np.random.default_rng(cells)
     for power in (0.0, 1.0, 3.0):
         c = rng.normal(size=(2, harmonics.count)).T @ [1, 1j] / (1 + np.arange(harmonics.count)) ** power

@@ -11,7 +11,7 @@ from vsb.engine.hydro.spectral.solver import MOST_NODES, SpectralProblem, larges
 from vsb.errors import ConfigError
 from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
-from vsb.pipeline.plans import CampaignPlan, degree_lines, plan_of, with_degree
+from vsb.pipeline.plans import CampaignPlan, degree_lines, plan_of
 from vsb.study.resolution import bending_degree, block_id, degree_needed
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
@@ -180,12 +180,12 @@ def asked():
 
 
 def test_degree_stands_in_the_ids_and_depends_on_the_buoy_alone(asked):
-    plan = with_degree(StudyPlan(asked))
+    plan = StudyPlan(asked).with_degree()
     assert plan.study.modes.degree in DEGREES
     other = varied(asked, waves=[{"kind": "regular", "amplitude": 0.1, "period": 6.0}])
-    assert with_degree(StudyPlan(other)).database.id == plan.database.id
+    assert StudyPlan(other).with_degree().database.id == plan.database.id
     given = StudyPlan(varied(asked, modes={"basis": "full", "degree": 20}))
-    assert with_degree(given) is given
+    assert given.with_degree() is given
     assert given.database.id != plan.database.id
 
 

@@ -30,6 +30,17 @@ def test_order_of_batches_does_not_matter(held):
     assert one.attrs["reference"] == "FSB"
 
 
+def test_reference_of_a_campaign_is_the_first_rigid_design_by_name(held):
+    """That gains are relative to, in whatever order the study lists its designs."""
+    plan, found = held
+    spec = plan.campaign.spec["spec"]
+    base = {**spec.base, "designs": {"Twin": spec.base["designs"]["FSB"], **spec.base["designs"]}}
+    ds = gathered(
+        spec.model_copy(update={"base": base}), [stacked(list(map(made_up, found)), [one.id for one in found])]
+    )
+    assert ds.attrs["reference"] == "FSB"
+
+
 def test_dampings_that_are_varied_stand_beside_those_of_the_results(tmp_path):
     plan = planned(with_seas(tmp_path, (1.0, 6.0)), {"pto.damping": [3e3, 1e4]})
     parts = [stacked([made_up(one)], [one.id]) for one in plan.members]

@@ -199,7 +199,7 @@ def of_radiation(study, error=0.0, margin=0.0):
 
 def of_limit(study, x):
     ds = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, x]]), "power_limit": ("omega", [2.0, 1.0])})
-    return [ledger.limit_check(ds)]
+    return ledger.limit_checks(study, ds)
 
 
 def of_pressure(study, x):

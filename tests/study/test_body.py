@@ -1,5 +1,6 @@
 """Studies of bodies read from files: sources, content ids, keys that are refused."""
 
+import json
 import math
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import validated
-from vsb.study.body import BodyStudy, is_body, load_body, located, wamit_files
+from vsb.study.body import BodyStudy, Study, is_body, load_body, located, wamit_files
 from vsb.study.study import parse
 
 RAW = {
@@ -23,6 +24,15 @@ RAW = {
 
 def study(**changes):
     return validated(BodyStudy, {**RAW, **changes}, "raft.yaml")
+
+
+def test_study_has_the_kind_of_its_keys(seed):
+    """`Study` is of a body where there is one, of a buoy otherwise; what a stage reads of it likewise."""
+    for one in (study(), seed):
+        raw = one.model_dump()
+        part = Study.part(json.loads(one.only("designs", *one.FLOATS).model_dump_json()))
+        assert Study(**raw) == Study.model_validate(raw) == one
+        assert type(part) is type(one)
 
 
 @pytest.mark.parametrize(

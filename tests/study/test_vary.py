@@ -129,7 +129,7 @@ def test_every_number_has_a_unit_by_which_it_scales():
     pure = {name for section in KEYS.values() for name, key in section.items() if key.unit == "-"}
     by_themselves = {"mooring", "atmospheric_pressure", "depth"}
     in_sections = {"profile", "parameters", "values"}  # scaled to the radius, or not at all
-    assert numbers(config.Study) - pure - powers().keys() == by_themselves | in_sections
+    assert numbers(config.BuoyStudy) - pure - powers().keys() == by_themselves | in_sections
 
 
 @pytest.mark.parametrize(

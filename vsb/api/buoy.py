@@ -23,7 +23,6 @@ from vsb.engine.waves.water import power_limit
 from vsb.errors import ConfigError
 from vsb.models.rest import reference_shell
 from vsb.pipeline.graph import StudyPlan
-from vsb.pipeline.plans import with_degree
 from vsb.results.ledger import shell_checks
 from vsb.stages import make
 from vsb.stages.init import example_of_radius
@@ -115,14 +114,14 @@ class Buoy:
     @cached_property
     def _checks(self) -> list[Check]:
         """Checks of the shell at rest."""
-        study = with_degree(StudyPlan(self.study)).study
+        study = StudyPlan(self.study).with_degree().study
         return shell_checks(study, reference_shell(study))
 
     @cached_property
     def _results(self) -> Results:
         """The hydrodynamics and the response, solved when first asked for."""
         self._folder = tempfile.TemporaryDirectory(prefix="vsb-")
-        plan = with_degree(StudyPlan(self.study, root=self._folder.name))
+        plan = StudyPlan(self.study, root=self._folder.name).with_degree()
         if failed := [check for check in self._checks if check.verdict == "fail"]:
             raise ConfigError(f"vsb.Buoy: {failed[0].line}")
         make.hydro_files(plan.study, self._folder.name)
@@ -195,7 +194,7 @@ def gradient(
     if DAMPER in variables and not (isinstance(study.pto.damping, float) and study.pto.damping > 0):
         raise ConfigError(f"pto.damping: received {study.pto.damping}; needs one above 0, or not to be a variable")
     if study.flexible and degree is None and study.modes.degree is None:
-        degree = with_degree(StudyPlan(study)).study.modes.max_degree
+        degree = StudyPlan(study).with_degree().study.modes.max_degree
     model = DesignModel.of(study, next(iter(study.designs)), climate, variables, degree)
     models = {name: replace(model, design=name) for name in study.designs}
     found = {name: dict(model.at(model.point).quantities) for name, model in models.items()}

@@ -104,7 +104,7 @@ class StudyPlots:
         if at not in power:
             raise ConfigError(f"at: received {at!r}, needs one of {', '.join(power)}")
         axes = self._curves(_along(power[at], direction) / 1e3, "absorbed power per amplitude² [kW/m²]", ax)
-        if self._results.study.buoy:  # of other bodies no limit is known
+        if self._results.study.LIMIT:  # of other bodies no limit is known
             limit, top = _along(response.power_limit, direction) / 1e3, axes.get_ylim()[1]
             axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
             axes.set_ylim(0, top)
@@ -158,7 +158,7 @@ class StudyPlots:
         run, (first, end) = results.trajectory(design, wave), results.study.simulation.window
         period = results.period(wave)
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
-        seen = (self._meridian if results.study.buoy else self._hull)(run.interp(time=time), wave, magnify)
+        seen = (self._hull if results.study.THING == "body" else self._meridian)(run.interp(time=time), wave, magnify)
         figure, axes = plt.subplots()
         (hull,) = axes.plot([], [], **self.style(design))
         (water,) = axes.plot([], [], color="#0072B2", linewidth=1)

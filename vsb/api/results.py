@@ -29,17 +29,17 @@ from vsb.engine.waves.scatter import climate_of_cells
 from vsb.errors import ConfigError, DatabaseError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
-from vsb.pipeline.graph import AnyPlan, BodyPlan, StudyPlan, plan_for
-from vsb.pipeline.plans import DesignPlan, with_degree
+from vsb.pipeline.graph import AnyPlan, plan_for
+from vsb.pipeline.plans import DesignPlan
 from vsb.report.answer import answer_of_study
 from vsb.results.comparison import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
-from vsb.study.body import AnyStudy, LocatedBody, is_body, located
+from vsb.study.body import LocatedBody, read_study
 from vsb.study.campaign import check_conversion
 from vsb.study.design import LoadedDesign
 from vsb.study.specs import Run
-from vsb.study.study import Study, parse
+from vsb.study.study import BuoyStudy, Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
@@ -80,7 +80,7 @@ def run(
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
-    if not isinstance(study, Study | LocatedBody | LoadedDesign):
+    if not isinstance(study, BuoyStudy | LocatedBody | LoadedDesign):
         raise ConfigError(f"vsb.run: received {study!r}, needs what vsb.load, load_body or load_design returns")
     if quiet is None:
         quiet = not (sys.stderr.isatty() or "ipykernel" in sys.modules)
@@ -88,10 +88,8 @@ def run(
         problem = DesignPlan(study, root=str(folder))
         make.run(problem, quiet=quiet)
         return BestBuoy(problem.folder)
-    if isinstance(study, LocatedBody):
-        plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
-    else:
-        plan = with_degree(StudyPlan(study, root=str(folder)))
+    found, files = study if isinstance(study, LocatedBody) else (study, None)
+    plan = plan_for(found, str(folder), files).with_degree()
     make.run(plan, quiet=quiet)
     return Results(plan.study, str(folder))
 
@@ -108,13 +106,13 @@ class Results:
         If the study has no such design or sea, or its model no such result.
     """
 
-    study: AnyStudy
+    study: Study
     folder: str = "results"  # of all results
 
     @cached_property
     def plan(self) -> AnyPlan:
         """Names and content ids of all files."""
-        return with_degree(plan_for(self.study, self.folder))
+        return plan_for(self.study, self.folder).with_degree()
 
     # tables ----------------------------------------------------------------------------------------------------------
 
@@ -422,7 +420,7 @@ class Results:
         """Rows as a table with units, those of the take-off as its port has them."""
         found, port = pd.DataFrame(rows), port_kind(self.study.pto.port)
         units = UNITS | {"damping": port.damping_unit, "stiffness": port.stiffness_unit}
-        if self.study.buoy is None:  # columns are of the port's motion
+        if self.study.THING == "body":  # columns are of the port's motion
             units |= {"displacement_pp": port.motion_unit, "velocity_pp": port.rate_unit}
         units |= {"best_damping": port.damping_unit, "best_power": "W", "power": "W"}
         units |= {"force_rms": port.load_unit, "force_peak": port.load_unit, "stroke_peak": port.motion_unit}
@@ -484,7 +482,7 @@ def open(path: str | Path) -> Results | Campaign | BestBuoy:
         raw = json.loads(text.read_text(encoding="utf-8"))
     except (ValueError, RecursionError):
         raise DatabaseError(f"{text}: is damaged; delete it and run vsb run CONFIG again") from None
-    study = located(raw, str(text)).study if is_body(raw) else parse(raw, source=str(text))
+    study = read_study(raw, str(text)).study
     if name != study.study:
         raise DatabaseError(f"{folder}: holds the study {study.study}; needs a folder of that name")
     return Results(study, root)

@@ -82,12 +82,13 @@ class _Reported(ModelMetaclass):
 
     def __call__(cls, *args: Any, **values: Any) -> Any:
         """Make a section; pydantic itself makes those within a section without this call."""
+        kind = cast(type[Section], cls).kind_of(values)
         try:
-            return super().__call__(*args, **values)
+            return ModelMetaclass.__call__(kind, *args, **values)
         except ValidationError as error:
             from vsb.keys.reading import lines_of
 
-            lines = [f"{cls.__name__}: {line}" for line in lines_of(error, values, cast(type[BaseModel], cls))]
+            lines = [f"{error.title}: {line}" for line in lines_of(error, values, kind)]
             raise ConfigError(lines[0], lines) from None
 
 
@@ -104,6 +105,11 @@ class Section(BaseModel, metaclass=_Reported):
         own = {name: key for name, key in known.items() if name in cls.model_fields}
         if own and not getattr(cls, "__abstractmethods__", None):
             describe(cls.__name__, own)
+
+    @classmethod
+    def kind_of(cls, raw: object) -> "type[Section]":
+        """Return the class that keys are of: of several kinds one."""
+        return cls
 
     def only(self, *names: str, **changed: Any) -> Self:
         """Return a part of a section: these keys alone, and some changed. Reading another raises `AttributeError`."""

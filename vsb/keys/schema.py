@@ -24,7 +24,7 @@ _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 def schema_of(model: type[BaseModel]) -> Schema:
     """Return the JSON schema of a model, not to be changed: types, ranges, defaults, choices, what every key means."""
     found: Schema = _with_bounds(model.model_json_schema())
-    for name, section in {model.__name__: found, **found.get("$defs", {})}.items():
+    for name, section in {found["title"]: found, **found.get("$defs", {})}.items():
         for key, place in [*section.get("properties", {}).items()]:
             place.pop("title", None)
             if said := KEYS.get(name, {}).get(key):

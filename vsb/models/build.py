@@ -39,10 +39,8 @@ from vsb.models.floating_system import (
 from vsb.models.rest import design_motions, mooring_rows, order_bases, rubber_shell, study_basis
 from vsb.models.stationary import controlled
 from vsb.models.take_off import dragged, dragged_port, linearised, tuned_take_off, with_drag, with_take_off
-from vsb.study.body import BodyStudy
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import Run
-from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
@@ -300,7 +298,7 @@ def design_in_sea(run: Run, paths: dict[str, Any]) -> DesignInSea:
     paths : mapping of option to path
         `database` and `radiation`, where the model has them.
     """
-    return SCENES[run.study.buoy.hydro.model if run.study.buoy else "body"](run, paths)
+    return SCENES["body" if run.study.THING == "body" else run.study.hydro.model](run, paths)
 
 
 def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
@@ -313,23 +311,23 @@ def linear_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
     scene, notes = _tuned_in_time(_linear(run, at), run, at)
-    return at.with_scene(with_drag(scene, _buoy_of(run), run.study.waves[0], at.sea), notes, {"model": "linear"})
+    return at.with_scene(with_drag(scene, run.study, run.study.waves[0], at.sea), notes, {"model": "linear"})
 
 
 def body_exact_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(run, paths)
-    rubber = rubber_shell(_buoy_of(run), at.shape.basis)
+    rubber = rubber_shell(run.study, at.shape.basis)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions, rubber)
     scene, notes = _tuned_in_time(with_take_off(scene, run.study.pto, at.buoy.pto), run, at)
-    return at.with_scene(with_drag(scene, _buoy_of(run), run.study.waves[0], at.sea), notes, {"model": "body_exact"})
+    return at.with_scene(with_drag(scene, run.study, run.study.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
 def automatic_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the run."""
     begun = clock.perf_counter()
     at = _from_bem(run, paths)
-    (design,), buoy = run.study.designs, _buoy_of(run)
+    (design,), buoy = run.study.designs, run.study
     ladder = automatic.motion_ladder(buoy, at.shape.basis, design)
     rubber = rubber_shell(buoy, at.shape.basis)
     scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.study.simulation, rubber)
@@ -406,7 +404,7 @@ def _noted(best: LatchingTime) -> dict[str, float]:
 
 def _from_bem(run: Run, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
-    system = _buoy_of(run)
+    system = run.study
     (design,), (wave,) = system.designs, system.waves
     floating = floating_system(system, paths["database"])
     model = radiation_model(paths["radiation"], floating.linear.labels)
@@ -444,7 +442,6 @@ def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:
 def body_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
     system = run.study
-    assert isinstance(system, BodyStudy)
     (design,), (wave,) = system.designs, system.waves
     floating = floating_system(system, paths["database"])
     body = floating.linear
@@ -495,7 +492,7 @@ def body_memory(path: str) -> Memory:
 
 def assumed_pressure_design(run: Run, _: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
-    buoy = _buoy_of(run)
+    buoy = run.study
     (design,), (wave,), pto = buoy.designs, buoy.waves, buoy.pto
     basis = study_basis(buoy)
     omega = wave.omega if wave.regular else 0.0
@@ -515,9 +512,3 @@ SCENES = {
     "body": body_design,
 }
 """Hydrodynamic model of a buoy, or a body -> the scene of one design in one sea."""
-
-
-def _buoy_of(run: Run) -> Study:
-    """The study of a buoy's run."""
-    assert run.study.buoy is not None
-    return run.study.buoy

@@ -53,7 +53,7 @@ from vsb.models.rest import (
     whole_stiffness,
     with_rings,
 )
-from vsb.study.body import AnyStudy, BodyDesign, BodyStudy
+from vsb.study.body import BodyDesign
 from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
@@ -193,12 +193,12 @@ class FloatingSystem:
         return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
 
-def floating_system(study: AnyStudy, database_path: str, highest: int = HIGHEST) -> FloatingSystem:
+def floating_system(study: Study, database_path: str, highest: int = HIGHEST) -> FloatingSystem:
     """Return what floats in a study from its database.
 
     Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`.
     """
-    if isinstance(study, BodyStudy):
+    if study.THING == "body":
         return floating_body(study, stored_body(database_path))
     # the buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it
     ds = database.load_database(database_path, Path(database_path).stem)
@@ -226,7 +226,7 @@ def stored_body(database_path: str) -> LinearSystem:
     return LinearSystem(ds, np.asarray(ds.structural_damping_matrix.values), axisymmetric=False)
 
 
-def floating_body(study: BodyStudy, body: LinearSystem) -> FloatingSystem:
+def floating_body(study: Study, body: LinearSystem) -> FloatingSystem:
     """Return what a study lets float of a body; its take-off is on heave if it says nothing else."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
     port = study.pto.port
@@ -270,7 +270,7 @@ def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatA
 # seas ---------------------------------------------------------------------------------------------------------------
 
 
-def band(study: AnyStudy, ds: xr.Dataset | None) -> tuple[float, float]:
+def band(study: Study, ds: xr.Dataset | None) -> tuple[float, float]:
     """Return the band the components of a sea lie in [rad/s]: of a body what its database holds."""
     if (known := study.band) is not None:
         return known
@@ -278,7 +278,7 @@ def band(study: AnyStudy, ds: xr.Dataset | None) -> tuple[float, float]:
     return float(ds.omega[0]), float(ds.omega[-1])
 
 
-def study_sea(study: AnyStudy, wave: Wave, ds: xr.Dataset) -> Sea:
+def study_sea(study: Study, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea of a study, what of it lies in the band of a database.
 
     Of a spectrum next to nothing lies below the first frequency of a buoy's database, of what a file holds there may.
@@ -286,7 +286,7 @@ def study_sea(study: AnyStudy, wave: Wave, ds: xr.Dataset) -> Sea:
     return _within_band(study, wave, ds, study.simulation.duration)
 
 
-def _within_band(study: AnyStudy, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
+def _within_band(study: Study, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
     """A sea of components that do not repeat within a duration [s], what of it lies in the band of a database."""
     lowest, highest = band(study, ds)
     lowest = float(ds.omega[0]) if wave.of_file else lowest
@@ -295,7 +295,7 @@ def _within_band(study: AnyStudy, wave: Wave, ds: xr.Dataset, duration: float) -
     return found if kept.all() else found.part(kept)
 
 
-def expected_sea(study: AnyStudy, wave: Wave, ds: xr.Dataset) -> Sea:
+def expected_sea(study: Study, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea whose components carry its spectrum: mean powers in it are expectations, whatever is simulated.
 
     Bands are narrower than any resonance that matters, and those of neighbouring seas are the same. A record of

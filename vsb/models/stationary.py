@@ -23,7 +23,7 @@ from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.models.floating_system import AtFrequencies, FloatingSystem, heading, heading_in, port_in_seas
 from vsb.models.take_off import dragged_port
-from vsb.study.body import AnyStudy
+from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray
 
 BEYOND = 4.0
@@ -99,7 +99,7 @@ class BesideDrag(NamedTuple):
 
 
 def optimum_with_drag(
-    system: AnyStudy, floating: FloatingSystem, design: str, wave: Irregular, sea: Sea, pto: Pto, force: float
+    system: Study, floating: FloatingSystem, design: str, wave: Irregular, sea: Sea, pto: Pto, force: float
 ) -> BesideDrag:
     """Return the optimal causal control, of a given rms force [N], of a design with drag in a sea of one direction.
 

@@ -19,8 +19,8 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import horizontal_velocity, vertical_velocity
 from vsb.errors import ConfigError
 from vsb.models.floating_system import FloatingSystem, heading, headings, port_in_seas
-from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.sections import Plate, Vane
+from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 STIFFER = 100.0
@@ -215,13 +215,13 @@ def dragged(names: Iterable[str], labels: Sequence[str]) -> FloatArray:
     return np.array([[float(label == name) for label in labels] for name in names])
 
 
-def flow(run: AnyStudy, omega: FloatArray, direction: float) -> ComplexArray:
+def flow(run: Study, omega: FloatArray, direction: float) -> ComplexArray:
     """Return the velocity of undisturbed waves at half the draft per amplitude, shape (omega, dragged) [1/s].
 
     Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations
     there is none. A body is dragged through still water, as WEC-Sim's `quadDrag` has it.
     """
-    if isinstance(run, BodyStudy):
+    if run.THING == "body":
         return np.zeros((len(omega), len(run.plates)), dtype=complex)
     water, height, towards = run.water, -0.5 * run.draft, np.deg2rad(direction)
     along = horizontal_velocity(omega, height, water.depth, water.gravity)
@@ -233,7 +233,7 @@ def flow(run: AnyStudy, omega: FloatArray, direction: float) -> ComplexArray:
     return np.stack([known.get(name, 0.0 * along) for name in run.plates], axis=-1)
 
 
-def with_drag(scene: Scene, run: AnyStudy, wave: Wave, sea: Sea) -> Scene:
+def with_drag(scene: Scene, run: Study, wave: Wave, sea: Sea) -> Scene:
     """Return a scene with the drag of its study, if it has one."""
     if not run.plates:
         return scene
@@ -243,9 +243,7 @@ def with_drag(scene: Scene, run: AnyStudy, wave: Wave, sea: Sea) -> Scene:
     return replace(scene, forces={**scene.forces, "drag": force})
 
 
-def dragged_port(
-    run: AnyStudy, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]
-) -> DraggedPort:
+def dragged_port(run: Study, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]) -> DraggedPort:
     """Return the port of a design of a study with drag, in waves of directions [degrees], each at its frequencies."""
     labels, strength = floating.linear.labels, coefficients(run.plates.values(), run.water.density)
     motions, directions = floating.motions[design], dragged(run.plates, labels)
@@ -260,7 +258,7 @@ def dragged_port(
 
 
 def linearised(
-    run: AnyStudy, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
+    run: Study, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
 ) -> dict[str, Any]:
     """Return the attributes of a run with drag: equivalent dampers and the mean power of linear theory with them."""
     if not (run.plates and sea.omega.size):

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from vsb.models.rest import (
     reference_shell,
     seen_by_take_off,
 )
-from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.words import plain
@@ -51,14 +50,11 @@ OVERLOADED = ("overstrained", "no equilibrium")
 """How reasons begin for which `advice` has an answer: the shell does not carry its load."""
 
 
-Some = TypeVar("Some", Study, BodyStudy, AnyStudy)
-
-
 @dataclass(frozen=True)
 class Viability:
     """The shell of a buoy at rest, if there is one, how far it is from buckling, and why designs are not viable."""
 
-    study: AnyStudy
+    study: Study
     reference: ReferenceShell | None  # none of a body
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
     reasons: Mapping[str, str]  # of designs that are not viable
@@ -70,13 +66,13 @@ class Viability:
         return [design for design in self.study.designs if design not in self.reasons]
 
 
-def with_designs(study: Some, designs: Sequence[str]) -> Some:
+def with_designs(study: Study, designs: Sequence[str]) -> Study:
     """Return a study, or what a stage reads of it, with some of its designs."""
     some = {design: study.designs[design] for design in designs}
     return study.model_copy(update={"designs": some})
 
 
-def viability_of_body(study: BodyStudy, floating: FloatingSystem) -> Viability:
+def viability_of_body(study: Study, floating: FloatingSystem) -> Viability:
     """Return which designs of a body rest stably beside the spring of the take-off; nothing there buckles."""
     spring, reasons = LinearPto(0.0, study.pto.stiffness, floating.port).spring(len(floating.port)), {}
     for design, motions in floating.motions.items():

@@ -16,7 +16,7 @@ from vsb.engine.waves.water import Water
 from vsb.study.campaign import CAUSAL
 from vsb.study.resolution import AnyBlock, degree_needed
 from vsb.study.specs import PanelsBlock, VerificationSpec
-from vsb.study.study import BaseStudy, Study
+from vsb.study.study import Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
@@ -142,9 +142,9 @@ def spectral_megabytes(displacements: int) -> int:
     return math.ceil(max(1000.0, 300.0 + SPECTRAL_MEGABYTES * displacements**2))
 
 
-def left_out_seconds(buoy: Study) -> float:
+def left_out_seconds(study: Study) -> float:
     """Return the CPU time of powers with up to twice as many shell modes, their water left out [s]."""
-    return float(LEFT_OUT_SECONDS * _enough(buoy) ** 2)
+    return float(LEFT_OUT_SECONDS * _enough(study) ** 2)
 
 
 def finer_water_seconds(buoy: Study) -> float:
@@ -153,8 +153,8 @@ def finer_water_seconds(buoy: Study) -> float:
 
 
 def _enough(buoy: Study) -> int:
-    """Degree of the shell modes with which powers are compared, 0 of a rigid buoy."""
-    return max(buoy.modes.max_degree, degree_needed(buoy)) if buoy.flexible else 0
+    """Degree of the shell modes with which powers are compared, 0 without a shell."""
+    return max(buoy.modes.max_degree, degree_needed(buoy)) if buoy.has_shell else 0
 
 
 def motions_seconds(stage: str, motions: int) -> float:
@@ -163,7 +163,7 @@ def motions_seconds(stage: str, motions: int) -> float:
     return once + each * motions
 
 
-def latching_seconds(study: BaseStudy, wave: Wave, *, flexible: bool) -> float:
+def latching_seconds(study: Study, wave: Wave, *, flexible: bool) -> float:
     """Return the CPU time of the search for the latching time of one design in a sea [s]; with its damping twice."""
     if not study.pto.has_latching_time or wave.still:
         return 0.0
@@ -193,25 +193,25 @@ def body_seconds(file: BodyFile, matrices: float) -> float:
     return len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
 
 
-def ladder_seconds(study: BaseStudy) -> float:
+def ladder_seconds(study: Study) -> float:
     """Return the CPU time of the control levels of a study [s]."""
     irregular = sum(wave.irregular for wave in study.waves)
-    once = LADDER_SECONDS + (left_out_seconds(study.buoy) if study.buoy else 0.0)
-    if not study.pto.several or not isinstance(study, Study):
+    once = LADDER_SECONDS + left_out_seconds(study)
+    if not study.pto.several:
         return once + CAUSAL_SECONDS * irregular * len(study.designs)
     full = OF_FULL_MATRIX if isinstance(study.pto.port, SeveralPorts) and study.pto.port.matrix == "full" else 1.0
     return once + irregular * full * sum(CAUSAL_AT_PORTS[one.flexible] for one in study.designs.values())
 
 
-def run_seconds(study: BaseStudy, wave: Wave, *, flexible: bool = True) -> float:
+def run_seconds(study: Study, wave: Wave, *, flexible: bool = True) -> float:
     """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.hydro.model]
     if study.pto.nonlinear and study.hydro.model == "linear":
         each += SWITCHING_SECONDS
     seas = 2.0 if wave.irregular else 1.0  # of many components
-    if study.buoy and study.buoy.hydro.model == "body_exact":
-        seas *= _of_wall(study.buoy, flexible=flexible)
-    shell = flexible and study.buoy is not None
+    if study.hydro.model == "body_exact":
+        seas *= _of_wall(study, flexible=flexible)
+    shell = flexible and study.has_shell
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave, flexible=shell)
 
 
@@ -227,8 +227,8 @@ def verification_seconds(spec: VerificationSpec) -> float:
     each = (CONTROLLED_SEA_SECONDS if controlled else SEA_SECONDS)[spec.verify.model] * spec.verify.seas
     study = spec.study
     designs = float(len(study.designs))
-    if study.buoy and spec.verify.model == "body_exact":
-        designs = sum(_of_wall(study.buoy, flexible=one.flexible) for one in study.buoy.designs.values())
+    if spec.verify.model == "body_exact":
+        designs = sum(_of_wall(study, flexible=one.flexible) for one in study.designs.values())
     year = CAUSAL_YEAR_SECONDS * len(study.designs) if controlled else 0.0
     if "each" in spec.tuning:
         year = matrices_of_year(study.pto, len(study.designs))
@@ -242,20 +242,20 @@ def matrices_of_year(pto: Pto, designs: int) -> float:
     return MATRICES_SECONDS * designs / (1.0 if pto.port.matrix == "full" else OF_FULL_MATRIX)
 
 
-def record_megabytes(study: BaseStudy, wave: Wave, coordinates: int) -> int:
+def record_megabytes(study: Study, wave: Wave, coordinates: int) -> int:
     """Return the memory of the time series of a design in a sea [MB]: nine of every coordinate, ten others."""
     instants = int(RECORDS_PER_PERIOD * study.fastest(wave) * study.simulation.duration / (2 * math.pi))
     return math.ceil(8e-6 * (9 * coordinates + 10) * instants / thinning(instants + 1))
 
 
-def run_megabytes(study: BaseStudy, wave: Wave, coordinates: int, highest: float) -> int:
+def run_megabytes(study: Study, wave: Wave, coordinates: int, highest: float) -> int:
     """Return the memory of a run in a sea [MB]: three times its record, one leg, the sea's components to `highest`."""
     band = highest if wave.irregular else 0.0
     length = wave.file.length if wave.recorded else study.simulation.duration
     return 800 + 3 * record_megabytes(study, wave, coordinates) + math.ceil(6e-4 * band * length)
 
 
-def study_megabytes(study: BaseStudy, coordinates: int) -> int:
+def study_megabytes(study: Study, coordinates: int) -> int:
     """Return the memory of the time series of all designs in a sea at once [MB], and of drawing them."""
     largest = max(record_megabytes(study, wave, coordinates) for wave in study.waves)
     return 800 + math.ceil(1.2 * len(study.designs) * largest)

@@ -19,7 +19,7 @@ from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
 from vsb.study.body import BodyStudy, wamit_files
-from vsb.study.resolution import AnyBlock, HydroPlan, block_id, no_witness, witness_meshes, witness_omega
+from vsb.study.resolution import AnyBlock, HydroPlan, block_id, degree_needed, no_witness, witness_meshes, witness_omega
 from vsb.study.sections import Hydro
 from vsb.study.specs import (
     BodySource,
@@ -28,7 +28,7 @@ from vsb.study.specs import (
     Run,
     spec_of,
 )
-from vsb.study.study import BaseStudy, Study
+from vsb.study.study import Study
 
 
 class Stage(NamedTuple):
@@ -226,7 +226,11 @@ class Graph(ABC):
 class ResultsPlan(Graph):
     """What a study of a buoy or of a body computes."""
 
-    study: BaseStudy
+    study: Study
+
+    def with_degree(self) -> Self:
+        """Return a plan whose shell modes, if there are any, have a degree."""
+        return self
 
     @property
     def modes(self) -> Task | None:
@@ -248,7 +252,7 @@ class ResultsPlan(Graph):
         """Path of the hydro database, as `vsb.open_database` takes it."""
         return self.database.out
 
-    def part(self, *names: str, **changed: Any) -> BaseStudy:
+    def part(self, *names: str, **changed: Any) -> Study:
         """Return what a stage of motion reads of the study: what floats, and further sections by name."""
         return self.study.only("designs", "water", "pto", *self.study.FLOATS, *names, **changed)
 
@@ -302,10 +306,10 @@ class ResultsPlan(Graph):
     @cached_property
     def radiation(self) -> Task:
         """The radiation memory of the hydro database."""
-        hydro, memory = self.study.hydro, {} if self.study.buoy else {"added_mass_inf": self.study.hydro.added_mass_inf}
+        given = self.study.hydro.model_dump(include={"tolerance", "added_mass_inf"})
         read, out = {"database": self.database}, radiation_path(self.root, ID)
         return Task.of(
-            "radiation", {"tolerance": hydro.tolerance, **memory}, out, read, stamps=(self.database,),
+            "radiation", given, out, read, stamps=(self.database,),
             seconds=costs.motions_seconds("radiation", self.coordinates),
         )  # fmt: skip
 
@@ -449,7 +453,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     root: str = "results"
     of_ladder = ("modes",)  # with their tolerance
 
-    def part(self, *names: str, **changed: Any) -> BaseStudy:
+    def part(self, *names: str, **changed: Any) -> Study:
         """Return what a stage of motion reads of the study, in most the modes without their tolerance."""
         modes = {} if "modes" in names else {"modes": self.study.modes.without_tolerance}
         return super().part(*names, **modes | changed)
@@ -459,9 +463,20 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return {"hydro": self.study.hydro.only(*names)}
 
     @property
+    def degree_needed(self) -> int:
+        """Degree of the full basis that `modes.tolerance` needs, whatever is given."""
+        return degree_needed(self.study)
+
+    def with_degree(self) -> Self:
+        """Return a plan whose shell modes have a degree: the one given, or the one that `modes.tolerance` needs."""
+        if self.study.modes.degree is not None:
+            return self
+        return replace(self, study=self.study.with_degree(self.degree_needed))
+
+    @property
     def moved(self) -> int:
         """How many motions all flexible designs have together."""
-        return self.coordinates * sum(one.flexible for one in self.study.designs.values())
+        return self.coordinates * sum(bool(one.flexible) for one in self.study.designs.values())
 
     @cached_property
     def modes(self) -> Task:
@@ -564,7 +579,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     @property
     def highest(self) -> float:
         """Highest frequency a sea may have components at [rad/s]."""
-        return self.study.hydro.omega_max
+        return float(self.study.hydro.omega_max)
 
 
 def _either_sign(modes: tuple[str, ...]) -> list[str]:
@@ -579,7 +594,7 @@ _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and b
 class BodyPlan(ResultsPlan):
     """Everything a study of a body needs computed; files are where its contents lie."""
 
-    study: BodyStudy
+    study: Study
     root: str = "results"
     files: Mapping[str, str] = field(default_factory=dict)
 
@@ -678,6 +693,6 @@ def frequencies(
 AnyPlan = StudyPlan | BodyPlan
 
 
-def plan_for(study: Study | BodyStudy, root: str = "results") -> AnyPlan:
-    """Return the plan of a study whose files, if it is of a body, need not be found: names and ids are known by it."""
-    return BodyPlan(study, root=root) if isinstance(study, BodyStudy) else StudyPlan(study, root=root)
+def plan_for(study: Study, root: str = "results", files: Mapping[str, str] | None = None) -> AnyPlan:
+    """Return the plan of a study; names and ids are known without the files of a body."""
+    return BodyPlan(study, root, files or {}) if isinstance(study, BodyStudy) else StudyPlan(study, root=root)

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path, PurePath, PurePosixPath
-from typing import Any, overload
+from typing import Any, Self
 
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.waves.kinds import StillWater, Wave
@@ -23,9 +23,9 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical, content_id
 from vsb.keys.reading import read_yaml
 from vsb.pipeline import costs
-from vsb.pipeline.graph import ID, BodyPlan, Graph, StudyPlan, Task, plan_for
+from vsb.pipeline.graph import ID, AnyPlan, BodyPlan, Graph, StudyPlan, Task, plan_for
 from vsb.study import figure_names
-from vsb.study.body import AnyStudy, BodyStudy, is_body, located
+from vsb.study.body import read_study
 from vsb.study.campaign import (
     AT_FORCE,
     ClimateFile,
@@ -33,12 +33,12 @@ from vsb.study.campaign import (
     LoadedCampaign,
     Scatter,
     Tunings,
-    any_study_at,
     is_campaign,
     leading_tuning,
     read,
     sections,
     sizes_hull,
+    study_at,
     where_of,
 )
 from vsb.study.design import LoadedDesign, is_design
@@ -55,7 +55,7 @@ from vsb.study.specs import (
     VerificationSpec,
     spec_of,
 )
-from vsb.study.study import Study, parse
+from vsb.study.study import Study
 from vsb.study.vary import Point
 
 # a campaign -----------------------------------------------------------------------------------------------------------
@@ -68,7 +68,7 @@ BATCH_SECONDS = 8.0
 
 def _shared(one: "Member") -> tuple[Any, ...]:
     """What members may share: coefficients of a shape, a take-off, and shapes and buckling of a thickness."""
-    return one.spec.sweep, canonical(one.study.pto), one.study.buoy.device.thickness if one.study.buoy else 0.0
+    return one.spec.sweep, canonical(one.study.pto), one.study.device.thickness if one.study.THING == "buoy" else 0.0
 
 
 @contextmanager
@@ -88,7 +88,7 @@ class Member:
     """One point of a campaign."""
 
     point: Point
-    study: AnyStudy
+    study: Study
     spec: MemberSpec
 
     @cached_property
@@ -113,11 +113,11 @@ def members(
     tuning : sequence of {'fixed', 'one', 'each', 'constrained'}
     """
     some = [*points]
-    return members_of([any_study_at(base, point) for point in some], some, climate, tuning, constrained)
+    return members_of([study_at(base, point) for point in some], some, climate, tuning, constrained)
 
 
 def members_of(
-    studies: Iterable[AnyStudy],
+    studies: Iterable[Study],
     points: Iterable[Point],
     climate: ClimateFile,
     tuning: Sequence[Tunings],
@@ -135,15 +135,15 @@ def members_of(
     return found
 
 
-def _coefficients(study: AnyStudy) -> tuple[str, ...]:
+def _coefficients(study: Study) -> tuple[str, ...]:
     """Ids of the blocks of a buoy's shape, or of the database of a body."""
     plan = plan_for(study)
     return tuple(map(block_id, plan.sweep_blocks)) if isinstance(plan, StudyPlan) else (plan.database.id,)
 
 
-def _shape(study: AnyStudy) -> Hashable:
+def _shape(study: Study) -> Hashable:
     """All that coefficients depend on: of an undeformed shell neither its material nor its clamps."""
-    if isinstance(study, BodyStudy):
+    if study.THING == "body":
         return canonical([study.body, study.dofs, study.hydro])
     device = study.device
     of_shell: Hashable = study.modes.max_degree if study.flexible else None
@@ -161,19 +161,32 @@ class CampaignPlan(Graph):
     KIND = "campaign"
     loaded: LoadedCampaign
     root: str = "results"
-    read: tuple[AnyStudy, ...] = field(default=(), repr=False, compare=False)  # studies of the points, if they are
+    read: tuple[Study, ...] = field(default=(), repr=False, compare=False)  # studies of the points, if they are
 
     @property
     def name(self) -> str:
         """Name of the campaign."""
         return self.loaded.campaign.campaign
 
+    @property
+    def degree_needed(self) -> int | None:
+        """Degree of the full basis that `modes.tolerance` needs at every point; none where the degree is varied."""
+        return None if "modes.degree" in self.loaded.campaign.vary.keys else max(map(degree_needed, self.studies))
+
+    def with_degree(self) -> Self:
+        """Return a plan whose shell modes have a degree, the largest of those that its points need."""
+        base = self.loaded.base
+        if base.THING == "body" or base.modes.degree is not None or (degree := self.degree_needed) is None:
+            return self
+        studies = tuple(one.with_degree(degree) for one in self.studies)
+        return replace(self, loaded=self.loaded.model_copy(update={"base": base.with_degree(degree)}), read=studies)
+
     @cached_property
     def base(self) -> dict[str, Any]:
         """Sections of its study; where its draft may vary, with what decides it in the file."""
         found, keys = sections(self.loaded.base), self.loaded.campaign.vary.keys
         floats = any(sizes_hull(key) or key in ("device.draft", "water.density") for key in keys)
-        if not self.loaded.base.buoy or not floats:
+        if "device" not in found or not floats:
             return found
         others = {key: value for key, value in found["device"].items() if key != "mass"}
         return {**found, "device": others | self.loaded.floats_by}
@@ -184,14 +197,14 @@ class CampaignPlan(Graph):
         return self.loaded.campaign.climate.of_contents(self.loaded.climate_id)
 
     @cached_property
-    def studies(self) -> tuple[AnyStudy, ...]:
+    def studies(self) -> tuple[Study, ...]:
         """Studies in the order of the points.
 
         Raises `ConfigError` if a point has no study; in one line with its values.
         """
         try:
             with _kept():
-                return self.read or tuple(any_study_at(self.base, point) for point in self.loaded.campaign.vary.points)
+                return self.read or tuple(study_at(self.base, point) for point in self.loaded.campaign.vary.points)
         except ConfigError as error:
             raise ConfigError(f"{self.loaded.source}: vary: {error}") from None
 
@@ -253,21 +266,21 @@ class CampaignPlan(Graph):
             if base.pto.several and base.pto.control.force_rms < math.inf:
                 seconds += costs.MATRICES_WITHIN_SECONDS
             each += seconds * (costs.WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
-            each *= base.hydro.omega_max / costs.CAUSAL_BAND if base.buoy else 1.0
+            each *= base.band[1] / costs.CAUSAL_BAND if base.band else 1.0
         matrices = costs.matrices_of_year(base.pto, len(base.designs)) if "each" in self.loaded.tuning else 0.0
         return costs.MEMBER_SECONDS + each * len(base.designs) + matrices
 
     def _seconds(self, some: Sequence[Member]) -> float:
         """CPU time of members [s]: their coefficients, their rest, their year."""
-        resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
-        shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
-        water = sum(costs.block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
         each = costs.MEMBER_SECONDS + (self.member_seconds - costs.MEMBER_SECONDS) * self._part_of_bins
+        shapes = {one.spec.sweep: one.study for one in some if one.study.THING == "buoy"}.values()
+        water = sum(costs.block_seconds(block) for buoy in shapes for block in StudyPlan(buoy).sweep_blocks)
+        water += sum(costs.finer_water_seconds(buoy) for buoy in shapes if not buoy.at_equilibrium)
+        resting = [one for one in some if one.study.at_equilibrium]
         rests = len({one.spec.sweep for one in resting})
         of_rests = costs.REST_SECONDS * rests + costs.SAME_REST_SECONDS * (len(resting) - rests)
-        as_built = [buoy for one in some if (buoy := one.study.buoy) and not buoy.at_equilibrium]
-        left_out = sum(map(costs.left_out_seconds, {buoy.device: buoy for buoy in as_built}.values()))
-        water += sum(costs.finer_water_seconds(buoy) for buoy in shapes.values() if not buoy.at_equilibrium)
+        as_built = [one.study for one in some if one.study.has_shell and not one.study.at_equilibrium]
+        left_out = sum(map(costs.left_out_seconds, {study.device: study for study in as_built}.values()))
         return each * len(some) + of_rests + left_out + water
 
     @cached_property
@@ -321,13 +334,12 @@ class CampaignPlan(Graph):
         assert verify is not None
         given, changed = self.loaded.base.simulation, dict[str, Any]()
         simulation = Simulation(tolerance=given.tolerance, method=given.method)  # how long follows from the seas
-        if one.study.buoy:
-            raw = one.study.model_dump(exclude_none=True)
-            raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
-            try:
-                changed["hydro"] = parse(raw, source="with the study's simulation").hydro
-            except ConfigError as error:
-                raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
+        raw = one.study.model_dump(exclude_none=True)
+        raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
+        try:
+            changed["hydro"] = read_study(raw, "with the study's simulation").study.hydro
+        except ConfigError as error:
+            raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
         parts = dict(one.spec)
         still: tuple[Wave, ...] = (StillWater(kind="still"),)  # the seas are those of the year
         changed |= {"study": "member", "simulation": simulation, "waves": still}
@@ -390,14 +402,15 @@ class CampaignPlan(Graph):
         return f"{self.folder}/campaign.nc"
 
     @cached_property
+    def waters(self) -> list[AnyPlan]:
+        """Plans of the coefficients of all points, those of one shape or database once."""
+        each = {one.spec.sweep: one.study for one in self.members}.values()
+        return [plan_for(study, self.root, self.loaded.files) for study in each]
+
+    @property
     def bodies(self) -> list[BodyPlan]:
-        """Plans of the bodies of all points, those of one database once; none of a buoy."""
-        plans = (
-            BodyPlan(one.study, root=self.root, files=self.loaded.files)
-            for one in self.members
-            if isinstance(one.study, BodyStudy)
-        )
-        return [*{plan.database.id: plan for plan in plans}.values()]
+        """Those of bodies; none of a buoy."""
+        return [plan for plan in self.waters if isinstance(plan, BodyPlan)]
 
 
 # a design problem -----------------------------------------------------------------------------------------------------
@@ -622,7 +635,7 @@ def planned(raw: dict[str, Any], source: str) -> Plan:
 def plan_of(path: str, root: str = "results") -> Plan:
     """Return the plan of a study file, of a buoy or of a body, of a campaign file or of a design file.
 
-    `root` is the folder of all results; see `with_degree`.
+    `root` is the folder of all results; shell modes have a degree, that given or that `modes.tolerance` needs.
     """
     if PurePath(path).suffix.lower() in MESHES:
         raise ConfigError(
@@ -634,61 +647,29 @@ def plan_of(path: str, root: str = "results") -> Plan:
 
 def _plan(raw: object, source: str, root: str) -> Plan:
     """The plan of what a file holds."""
-    if is_body(raw):
-        found = located(raw, os.path.relpath(source))
-        return BodyPlan(found.study, root=root, files=found.files)
     if is_campaign(raw):
-        return with_degree(CampaignPlan(read(raw, source), root=root))
+        return CampaignPlan(read(raw, source), root=root).with_degree()
     if is_design(raw):
         return DesignPlan(read_design(raw, source), root=root)
-    return with_degree(StudyPlan(parse(raw, source=source), root=root))
+    study, files = read_study(raw, source)
+    return plan_for(study, root, files).with_degree()
 
 
-@overload
-def with_degree(plan: StudyPlan) -> StudyPlan: ...
-@overload
-def with_degree(plan: StudyPlan | BodyPlan) -> StudyPlan | BodyPlan: ...
-@overload
-def with_degree(plan: Plan) -> Plan: ...
-def with_degree(plan: Plan) -> Plan:
-    """Return a plan whose shell modes have a degree: the one given, or the one that `modes.tolerance` needs.
-
-    Of a campaign it is the largest of those of its points. An optimum has modes of its own.
-    """
-    if isinstance(plan, StudyPlan) and plan.study.modes.degree is None:
-        return StudyPlan(_with(plan.study, needed(plan)), root=plan.root)
-    if not isinstance(plan, CampaignPlan) or (base := plan.loaded.base.buoy) is None or base.modes.degree is not None:
-        return plan
-    if "modes.degree" in plan.loaded.campaign.vary.keys:
-        return plan
-    degree = needed(plan)
-    studies = tuple(_with(one.buoy, degree) if one.buoy else one for one in plan.studies)
-    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, degree)}), plan.root, studies)
-
-
-def needed(plan: StudyPlan | CampaignPlan) -> int:
-    """Return the degree of the full basis that `modes.tolerance` needs, whatever degree is given."""
-    if isinstance(plan, StudyPlan):
-        return degree_needed(plan.study)
-    return max(degree_needed(one.buoy) for one in plan.studies if one.buoy)
+def base_study(plan: Plan) -> Study:
+    """Return the study of a plan, or the one a campaign or a design problem begins with."""
+    return plan.study if isinstance(plan, AnyPlan) else plan.loaded.base
 
 
 def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
     """Return what `vsb check` says of modes that are given: a doubt where the tolerance needs others."""
-    study = plan.study if isinstance(plan, StudyPlan) else plan.loaded.base.buoy
-    if study is None or not study.flexible or not study.needs_bem:
+    study = base_study(plan)
+    if not study.has_shell or not study.needs_bem or (degree := study.modes.degree) is None:
         return []
-    modes, varied = study.modes, isinstance(plan, CampaignPlan) and "modes.degree" in plan.loaded.campaign.vary.keys
-    enough = modes.degree is None or (modes.basis == "full" and modes.degree >= needed(plan))
-    if varied or enough:
+    needed, modes = plan.degree_needed, study.modes
+    if needed is None or (modes.basis == "full" and degree >= needed):
         return []
     return [
-        f"doubt        modes: {modes.basis}, degree {modes.degree}, but modes.tolerance {modes.tolerance:g} needs "
-        f"the full basis to about degree {needed(plan)}: what is left out is measured in the run and widens the "
+        f"doubt        modes: {modes.basis}, degree {degree}, but modes.tolerance {modes.tolerance:g} needs "
+        f"the full basis to about degree {needed}: what is left out is measured in the run and widens the "
         f"intervals, and beyond {500 * modes.tolerance:g} % of a power its answer is not valid"
     ]
-
-
-def _with(study: Study, degree: int) -> Study:
-    """The study with a degree."""
-    return study.model_copy(update={"modes": study.modes.model_copy(update={"degree": degree})})

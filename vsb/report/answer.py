@@ -13,7 +13,7 @@ import xarray as xr
 
 from vsb.engine.motion.take_off import DAMPERS, DEFAULTS, LAWS, port_kind
 from vsb.keys.quantities import canonical
-from vsb.study.study import BaseStudy
+from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.tools.words import (
     SAME,
@@ -363,7 +363,7 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def answer_of_study(study: BaseStudy, tables: Mapping[str, Lines]) -> str:
+def answer_of_study(study: Study, tables: Mapping[str, Lines]) -> str:
     """Return the answer of a study in one line, from its tables; see `closing_line`."""
     pto, seas = json.loads(canonical(study))["pto"], {wave.label: wave.family for wave in study.waves if not wave.still}
     runs = {

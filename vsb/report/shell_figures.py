@@ -238,7 +238,9 @@ def design_in_words(design: dict[str, Any]) -> str:
 
 
 def sketches(study: Study) -> list[dict[str, str]]:
-    """Return a sketch of each design of a study with its name, and what it is in words."""
+    """Return a sketch of each buoy of a study with its name, and what it is in words."""
+    if study.THING == "body":
+        return []
     designs = study.model_dump()["designs"]
     height, outline = study.centre_height / study.device.radius, _outline(study)
     return [

@@ -28,7 +28,6 @@ from vsb.models.mode_convergence import (
     take_offs,
 )
 from vsb.models.rest import has_attachment_modes, loaded_at_ring
-from vsb.study.body import AnyStudy
 from vsb.study.resolution import expected_change
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -168,7 +167,7 @@ def modes_left_out(study: Study, seas: Sequence[tuple[Wave, Sea]], families: Seq
     They fall like its power of 1.4 or, where a load acts at a ring of the shell, unevenly: there changes may be small
     by chance, and count at least what is to be expected (`vsb.study.resolution.expected_change`).
     """
-    if not study.flexible or not seas:
+    if not study.has_shell or not seas:
         return xr.Dataset()
     found = _left_out(ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families))
     dims = ("design", "wave", "take_off", "end")
@@ -188,12 +187,12 @@ class LeftOut(NamedTuple):
     gain: FloatArray  # over the reference, 0 without one [percentage points]
 
 
-def left_out_of_year(study: AnyStudy, floating: Floating, climate: Climate) -> LeftOut:
+def left_out_of_year(study: Study, floating: Floating, climate: Climate) -> LeftOut:
     """Return how far a year's mean power and its gain may lie from those of a shell with all its modes.
 
     Parameters
     ----------
-    study : Study or BodyStudy
+    study : Study
         Of viable designs.
     floating : Floating
         What floats in it; a body has the modes of its files, and leaves out no others that are known.

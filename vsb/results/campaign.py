@@ -33,10 +33,9 @@ from vsb.results.year import (
     within_errors,
     year,
 )
-from vsb.study.body import AnyStudy, BodyDesign
 from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Tunings, leading_tuning
 from vsb.study.specs import CampaignSpec
-from vsb.study.study import first_rigid
+from vsb.study.study import Study
 from vsb.study.vary import MEMBER, PORT, unit
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.variables import PortKind
@@ -108,11 +107,7 @@ def gathered(spec: CampaignSpec, batches: Iterable[xr.Dataset]) -> xr.Dataset:
 
 def _attrs(spec: CampaignSpec) -> dict[str, str]:
     """Attributes of the file: names, reference design, conventions."""
-    designs = spec.base["designs"]
-    if "body" in spec.base:
-        reference = first_rigid({name: BodyDesign(**design) for name, design in designs.items()})
-    else:
-        reference = next((name for name, design in designs.items() if not design["flexible"]), None)
+    reference = Study.kind_of(spec.base).part({"designs": spec.base["designs"]}).reference_design
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
     efficiency = spec.base["pto"].get("efficiency", 1.0)
     words = "as varied" if EFFICIENCY in spec.vary.keys else f"of {efficiency:g}" if efficiency < 1 else ""
@@ -231,7 +226,7 @@ def _cell(value: object) -> object:
 # A rigid design does not depend on material and thickness: members share its year, computed once.
 
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[AnyStudy, Floating, Climate, LeftOut | None], xr.Dataset]
+YearsWithin = Callable[[Study, Floating, Climate, LeftOut | None], xr.Dataset]
 """Study of viable designs, what floats in it, climate, shell modes left out -> their years within limits."""
 
 BINS = ("hs", "te")
@@ -357,7 +352,7 @@ def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
         found[name][1][np.ix_(*places)] = values
 
 
-def ports_year(study: AnyStudy, ports: Mapping[str, Port | Ports], climate: Climate, tunings: Sequence[Tuning]) -> Year:
+def ports_year(study: Study, ports: Mapping[str, Port | Ports], climate: Climate, tunings: Sequence[Tuning]) -> Year:
     """Return the year of the designs of a study from their ports, beside the take-off's spring."""
     given = {design: given_damper(study.pto, design, port.velocity.shape[1:]) for design, port in ports.items()}
     kind, reference = matrix_kind(study.pto), study.reference_design
@@ -374,7 +369,7 @@ class DampedYears:
 
     def __call__(
         self,
-        study: AnyStudy,
+        study: Study,
         waves: Mapping[str, InWaves[Any]],
         errors: Sequence[CoefficientError] = (),
         left_out: LeftOut | None = None,
@@ -409,7 +404,7 @@ class DampedYears:
             return together
         return {**together, **self._intervals(study, waves, together, errors, left_out)}
 
-    def _key(self, study: AnyStudy, design: str, waves: InWaves[Any]) -> bytes:
+    def _key(self, study: Study, design: str, waves: InWaves[Any]) -> bytes:
         """All that the year of a rigid design depends on in one climate."""
         parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
         pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
@@ -418,7 +413,7 @@ class DampedYears:
         damper = np.asarray(0.0 if given is None else given)
         return b"".join(part.tobytes() for part in (*parts, damper, np.array(numbers))) + matrix_kind(pto).encode()
 
-    def _computed(self, study: AnyStudy, waves: Mapping[str, InWaves[Any]]) -> Values:
+    def _computed(self, study: Study, waves: Mapping[str, InWaves[Any]]) -> Values:
         """Results of designs that are not known yet."""
         ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         if not self.tunings:
@@ -450,7 +445,7 @@ class DampedYears:
 
     def _intervals(
         self,
-        study: AnyStudy,
+        study: Study,
         waves: Mapping[str, InWaves[Any]],
         found: Mapping[str, tuple[tuple[str, ...], AnyArray]],
         errors: Sequence[CoefficientError],

@@ -43,8 +43,8 @@ from vsb.results.year import (
     within_errors,
     year_of_bins,
 )
-from vsb.study.body import AnyStudy
 from vsb.study.campaign import CAUSAL, SAME_FORCE
+from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 
@@ -165,7 +165,7 @@ def scheduled_at_ports(pto: Pto, year: Any, squares: FloatArray, ports: Stationa
 
 
 def schedules(
-    study: AnyStudy, floating: Floating, climate: Climate, waves: Mapping[str, InWaves[Any]]
+    study: Study, floating: Floating, climate: Climate, waves: Mapping[str, InWaves[Any]]
 ) -> dict[str, Schedule]:
     """Return the schedule of every design."""
     spacing = RESOLVED * 2 * np.pi / float(climate.te @ climate.hours)
@@ -187,7 +187,7 @@ def schedules(
     return found
 
 
-def year_of_schedules(study: AnyStudy, climate: Climate, schedules: Mapping[str, Schedule]) -> Year:
+def year_of_schedules(study: Study, climate: Climate, schedules: Mapping[str, Schedule]) -> Year:
     """Return the year of the designs of a study under causal control at one port, sea by sea."""
     bins = bins_of(climate)
     power = np.zeros((len(schedules), 1, len(climate.hours)))
@@ -199,7 +199,7 @@ def year_of_schedules(study: AnyStudy, climate: Climate, schedules: Mapping[str,
 
 
 def causal_years(
-    study: AnyStudy,
+    study: Study,
     floating: Floating,
     climate: Climate,
     tunings: Sequence[str] = (SAME_FORCE, CAUSAL),
@@ -209,7 +209,7 @@ def causal_years(
 
     Parameters
     ----------
-    study : Study or BodyStudy
+    study : Study
         Of viable designs alone.
     left_out : LeftOut, optional
         Errors by shell modes left out.
@@ -229,7 +229,7 @@ def causal_years(
 
 
 def _values(
-    study: AnyStudy,
+    study: Study,
     climate: Climate,
     waves: Mapping[str, InWaves[Any]],
     schedules: Mapping[str, Schedule],
@@ -297,7 +297,7 @@ def _slopes(waves: Mapping[str, InWaves[Any]], climate: Climate) -> Slopes:
 
 
 def _slopes_at_ports(
-    study: AnyStudy,
+    study: Study,
     waves: Mapping[str, InWaves[Any]],
     climate: Climate,
     schedules: Mapping[str, Schedule],

@@ -17,7 +17,7 @@ from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import ConfigError
 from vsb.models.build import TUNED, TUNED_MATRIX
 from vsb.models.take_off import LINEARISED, given_matrix
-from vsb.study.study import BaseStudy
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.variables import kind_of
 from vsb.tools.words import csv_text
@@ -101,7 +101,7 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
     )
 
 
-def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
+def comparison(study: Study, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
     Energy is that of the whole run, start-up included; in still water there is no gain of mean power. Mean powers are
@@ -153,14 +153,14 @@ def relative_difference(mean: float, expected: float) -> float:
     return abs(mean / expected - 1) if abs(expected) > NO_POWER else abs(mean)
 
 
-def damper_of(study: BaseStudy, design: str, run: Mapping[str, Any]) -> float | None:
+def damper_of(study: Study, design: str, run: Mapping[str, Any]) -> float | None:
     """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]; None of a damper matrix."""
     if isinstance(study.pto.port, SeveralPorts):
         return None
     return float(run.get(TUNED, study.pto.damper(design) or 0.0))
 
 
-def damper_matrix_of(study: BaseStudy, design: str, run: Mapping[str, Any], count: int) -> FloatArray:
+def damper_matrix_of(study: Study, design: str, run: Mapping[str, Any], count: int) -> FloatArray:
     """Return the damper matrix of a design in a run at several ports, shape (port, port)."""
     if TUNED_MATRIX in run:
         return np.reshape(run[TUNED_MATRIX], (count, count))
@@ -186,7 +186,7 @@ def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
     return response.isel(wave_direction=place)
 
 
-def power_waves(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+def power_waves(study: Study, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
     """Return u per wave amplitude, |u|^2/2 the power the take-off absorbs, dims (omega, load) [W^0.5/m].
 
     u = sqrt(c) V of a damper c, V = V0 Z/(Z + c + ik/omega), Z and V0 of the port; 0 where the port cannot move. At
@@ -207,7 +207,7 @@ def power_waves(study: BaseStudy, response: xr.Dataset, design: str, run: Mappin
     return scaled
 
 
-def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+def power_response(study: Study, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
     """Return the mean power linear theory expects of a run, per squared wave amplitude, dims (omega,) [W/m^2].
 
     Parameters
@@ -224,9 +224,7 @@ def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Map
     return found
 
 
-def linear_mean(
-    study: BaseStudy, wave: Wave, frequency: xr.Dataset, design: str, run: Mapping[str, Any]
-) -> float | None:
+def linear_mean(study: Study, wave: Wave, frequency: xr.Dataset, design: str, run: Mapping[str, Any]) -> float | None:
     """Return the mean power linear theory expects of a run in a regular wave [W], beside drag with its dampers.
 
     None in other seas, and of a nonlinear take-off.

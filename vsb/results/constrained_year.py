@@ -30,8 +30,8 @@ from vsb.results.budget import LeftOut
 from vsb.results.campaign import OF_LIMITS
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of, year_of_bins
-from vsb.study.body import AnyStudy
 from vsb.study.campaign import CONSTRAINED
+from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 SECONDS_PER_CUBE = 4e-9
@@ -263,13 +263,13 @@ class Optima:
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
     def __call__(
-        self, study: AnyStudy, floating: Floating, climate: Climate, left_out: LeftOut | None = None
+        self, study: Study, floating: Floating, climate: Climate, left_out: LeftOut | None = None
     ) -> xr.Dataset:
         """Return the years of designs within the limits of their take-off.
 
         Parameters
         ----------
-        study : Study or BodyStudy
+        study : Study
             Of viable designs alone.
         floating : Floating
             What floats in it.
@@ -278,14 +278,14 @@ class Optima:
         """
         low, high = floating.band
         low = max(low, float(climate.edges[0]))
-        high = study.buoy.hydro.omega_max if study.buoy else high
+        high = study.band[1] if study.band else high
         harmonics = harmonics_of_year(climate, low, high, self.seconds)
         waves = floating.at(harmonics.port_omega).in_waves()
         found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
         return constrained_dataset(study, found, waves, climate, floating.errors(harmonics.omega), left_out)
 
     def _year(
-        self, study: AnyStudy, design: str, waves: InWaves[Port], climate: Climate, harmonics: Harmonics
+        self, study: Study, design: str, waves: InWaves[Port], climate: Climate, harmonics: Harmonics
     ) -> ConstrainedYear:
         """The year of one design."""
         limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
@@ -303,7 +303,7 @@ class Optima:
 
 
 def constrained_dataset(
-    study: AnyStudy,
+    study: Study,
     years: Mapping[str, ConstrainedYear],
     waves: Mapping[str, InWaves[Port]],
     climate: Climate,

@@ -21,8 +21,7 @@ from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, gains
 from vsb.results.ladder import CAUSAL, SAME_FORCE, ControlLevel
 from vsb.results.mean_power import LEVELS, STATISTICS, MeanPower, MeanPowers, is_linear
-from vsb.study.body import AnyStudy
-from vsb.study.study import BaseStudy
+from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import plain, superscripts
 
@@ -103,7 +102,7 @@ class AtForce(NamedTuple):
 
 
 def equal_tuning(
-    study: BaseStudy, levels: Sequence[ControlLevel], means: MeanPowers | None = None, runs: Attributes | None = None
+    study: Study, levels: Sequence[ControlLevel], means: MeanPowers | None = None, runs: Attributes | None = None
 ) -> list[Tuned]:
     """Return one line per sea and design, from the control levels of a study, and from its runs where they differ.
 
@@ -136,7 +135,7 @@ def equal_tuning(
 
 
 def _at_level(
-    study: BaseStudy,
+    study: Study,
     levels: Sequence[ControlLevel],
     sea: str,
     level: str,
@@ -166,7 +165,7 @@ def _ends(mean: MeanPower | None, of: Literal["gain", "power"]) -> tuple[float |
     return _interval(mean.gain, mean.gain_errors) if of == "gain" else mean.errors.interval(mean.power)
 
 
-def _levels_in_time(study: BaseStudy, means: MeanPowers, runs: Attributes) -> dict[tuple[str, str, str], MeanPower]:
+def _levels_in_time(study: Study, means: MeanPowers, runs: Attributes) -> dict[tuple[str, str, str], MeanPower]:
     """Mean powers of runs that are not linear, by the level with their damper, design and sea; of dampers alone."""
     if study.pto.law not in DAMPERS:
         return {}
@@ -178,7 +177,7 @@ def _levels_in_time(study: BaseStudy, means: MeanPowers, runs: Attributes) -> di
     return found
 
 
-def within_limits(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Limited]:
+def within_limits(study: Study, levels: Sequence[ControlLevel]) -> list[Limited]:
     """Return one line per sea and design whose optimum within limits is known in all realisations."""
     found = []
     for sea, here in _by_sea(study, levels).items():
@@ -192,7 +191,7 @@ def within_limits(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Limi
     return found
 
 
-def at_force(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[AtForce]:
+def at_force(study: Study, levels: Sequence[ControlLevel]) -> list[AtForce]:
     """Return one line per irregular sea and design with causal control, and the damper of its rms force."""
     found = []
     for sea, here in _by_sea(study, levels).items():
@@ -225,7 +224,7 @@ def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float |
     return (None, None) if gain is None else errors.interval(gain)
 
 
-def _by_sea(study: BaseStudy, levels: Sequence[ControlLevel]) -> dict[str, list[ControlLevel]]:
+def _by_sea(study: Study, levels: Sequence[ControlLevel]) -> dict[str, list[ControlLevel]]:
     """Levels by the name of their sea, one for all realisations."""
     seas = {wave.label: wave.family for wave in study.waves}
     found: dict[str, list[ControlLevel]] = {}
@@ -267,7 +266,7 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
     return checks
 
 
-def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Check]:
+def reference_power_checks(study: Study, levels: Sequence[ControlLevel]) -> list[Check]:
     """Return the matched over the best-damper power of the rigid design: a gain over next to nothing means nothing."""
     reference, checks = study.reference_design or "", []
     for sea, here in _by_sea(study, levels).items():
@@ -285,7 +284,7 @@ def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> 
 
 
 def linearisation(
-    study: BaseStudy, means: MeanPowers, runs: Attributes, levels: Sequence[ControlLevel]
+    study: Study, means: MeanPowers, runs: Attributes, levels: Sequence[ControlLevel]
 ) -> dict[tuple[str, str], Beyond]:
     """Return how far powers and gains by linear theory are from those of runs, by design and sea.
 
@@ -351,7 +350,7 @@ class Elsewhere(NamedTuple):
     own_force_rms: float  # [N]
 
 
-def elsewhere(study: AnyStudy, floating: FloatingSystem, waves: Sequence[Wave]) -> list[Elsewhere]:
+def elsewhere(study: Study, floating: FloatingSystem, waves: Sequence[Wave]) -> list[Elsewhere]:
     """Return what causal controllers absorb by linear theory in seas of the same height and other peak periods.
 
     Each keeps the rms force of the level `causal` in its own sea, and has no forecast. It stays stable: its loop is
@@ -398,7 +397,7 @@ class _Control(NamedTuple):
         return self.matched * best.converted(self.pto.efficiency) / self.port.matched_power
 
 
-def worth_of_knowledge(study: AnyStudy, floating: FloatingSystem, wave: Irregular) -> xr.Dataset:
+def worth_of_knowledge(study: Study, floating: FloatingSystem, wave: Irregular) -> xr.Dataset:
     """Return mean powers in a sea under causal control, at the rms force of the control level `causal`.
 
     Returns

@@ -63,7 +63,7 @@ from vsb.models.stationary import (
 )
 from vsb.models.take_off import dragged_port, given_matrix, matrix_kind
 from vsb.results.budget import MODES, Budget, Rows, Source, modes_left_out
-from vsb.study.body import AnyStudy
+from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import csv_text
 
@@ -139,7 +139,7 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: AnyStudy, database: str) -> list[ControlLevel]:
+def study_ladder(study: Study, database: str) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea; still water has none.
 
     Powers are expectations over the spectrum, peaks those of a realisation as long as a run, with expected amplitudes,
@@ -159,7 +159,7 @@ def study_ladder(study: AnyStudy, database: str) -> list[ControlLevel]:
     seas = {wave.label: expected_sea(study, wave, ds) for wave in waves}
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
-    left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
+    left_out = modes_left_out(study, pairs, families)
     matrices: Matrices | None = None
     if pto.several:
         levels, matrices = matrix_levels(study, floating, seas, families)
@@ -296,7 +296,7 @@ def levels_of(
 
 
 def matrix_levels(
-    study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
+    study: Study, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
 ) -> tuple[list[ControlLevel], Matrices]:
     """Return the levels of damper matrices, and the matched one, of every design in every sea; and those matrices.
 
@@ -331,16 +331,16 @@ def matrix_levels(
 
 
 def material_levels(
-    study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea], levels: Sequence[ControlLevel]
+    study: Study, floating: FloatingSystem, seas: Mapping[str, Sea], levels: Sequence[ControlLevel]
 ) -> list[ControlLevel]:
     """Return the mean power that the material of the shell would allow at ports of strain, by design and sea.
 
     Of `pto.energy_per_cycle` e [J/kg], the mass m of the shell and the mean frequency f of the strain's cycles under
     the optimal damper, e m f: all of the material, fully used in every cycle.
     """
-    if study.pto.energy_per_cycle is None or study.buoy is None:
+    if study.pto.energy_per_cycle is None:
         return []
-    omega, found, mass = frequencies(list(seas.values())), [], study.buoy.device.shell_mass
+    omega, found, mass = frequencies(list(seas.values())), [], study.device.shell_mass
     rows = dict(zip(seas, squares(list(seas.values()), omega), strict=True))
     linear = floating.linear.equation(omega)
     by = {(level.design, level.wave, level.rung): level for level in levels}
@@ -389,7 +389,7 @@ def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> 
 # optima within limits -----------------------------------------------------------------------------------------------
 
 
-def constrained_levels(study: AnyStudy, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[ControlLevel]:
+def constrained_levels(study: Study, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[ControlLevel]:
     """Return the level within the limits of the take-off of every design in every sea."""
     ds, limits = floating.linear.database, Limits(study.pto.force_limit, study.pto.stroke_limit)
     of_force, levels = (float(ds.omega[0]), band(study, ds)[1]), []
@@ -468,7 +468,7 @@ def constrained_checks(levels: Sequence[ControlLevel]) -> list[Check]:
 
 
 def causal_levels(
-    study: AnyStudy,
+    study: Study,
     floating: FloatingSystem,
     seas: Sequence[tuple[Wave, Sea]],
     ports: Mapping[str, PortInSeas],
@@ -538,7 +538,7 @@ def causal_level(
 
 
 def causal_levels_with_drag(
-    study: AnyStudy, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], levels: Sequence[ControlLevel]
+    study: Study, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], levels: Sequence[ControlLevel]
 ) -> list[ControlLevel]:
     """Return the optimal causal control beside quadratic drag in every irregular sea, and the damper of its rms force.
 

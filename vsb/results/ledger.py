@@ -58,10 +58,9 @@ from vsb.results.budget import MODES
 from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_difference
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
-from vsb.study.body import BodyStudy
 from vsb.study.resolution import no_witness
 from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.study import FEWEST_BATCHES, BaseStudy, Study
+from vsb.study.study import FEWEST_BATCHES, Study
 from vsb.tools.variables import FORCE, MOMENT
 from vsb.tools.words import plain
 
@@ -81,7 +80,7 @@ LIKE_RADIANS = 4e-3
 # before anything is solved ------------------------------------------------------------------------------------------
 
 
-def angle_checks(study: BaseStudy) -> list[Check]:
+def angle_checks(study: Study) -> list[Check]:
     """Return a doubt if angles, which are given in degrees, look like radians: multiples of pi/12 with few digits."""
     found = []
     for key, value in leaves(study.model_dump()).items():
@@ -94,9 +93,7 @@ def angle_checks(study: BaseStudy) -> list[Check]:
     return [Check("angles", len(found), 0.0, "-", "doubt", text)] if found else []
 
 
-def seas_checks(
-    study: Study | BodyStudy, database: xr.Dataset | None = None, linear: Collection[str] = ()
-) -> list[Check]:
+def seas_checks(study: Study, database: xr.Dataset | None = None, linear: Collection[str] = ()) -> list[Check]:
     """Return whether linear wave theory, and the band of the database, cover the seas, and whether records are long.
 
     The database of a buoy is not needed; `linear` is that of `record_checks`.
@@ -106,7 +103,7 @@ def seas_checks(
     return [*checks, *record_checks(study, linear)]
 
 
-def record_checks(study: Study | BodyStudy, linear: Collection[str] = ()) -> list[Check]:
+def record_checks(study: Study, linear: Collection[str] = ()) -> list[Check]:
     """Return whether the records of each irregular sea are long enough for an interval of its mean power.
 
     Where hydrodynamics and take-off are linear mean power is the expectation over the spectrum, whatever the record;
@@ -268,17 +265,19 @@ def radiation_checks(radiation: xr.Dataset, tolerance: float) -> list[Check]:
     ]
 
 
-def limit_check(frequency: xr.Dataset) -> Check:
-    """Return the largest absorbed power over its theoretical limit: above 1 the coefficients cannot be right."""
+def limit_checks(study: Study, frequency: xr.Dataset) -> list[Check]:
+    """Return the largest absorbed power over its limit, if one is known: above 1 the coefficients cannot be right."""
+    if not study.LIMIT:
+        return []
     absorbed = frequency.absorbed_power
     share = (absorbed / frequency.power_limit.where(absorbed > 0, 1.0)).max()  # 0/0 of a port that no design moves is 0
     text = f"largest absorbed power over the limit of {frequency.attrs.get('limit', HEAVING)}, within mesh error"
-    return check_at_most("power_limit", float(share), 1.01, "-", text)
+    return [check_at_most("power_limit", float(share), 1.01, "-", text)]
 
 
 def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> list[Check]:
     """Return whether a second solver agrees, on all shapes and with the database; a doubt where it cannot be used."""
-    if study.hydro.witness == "none":
+    if study.THING == "body" or study.hydro.witness == "none":
         return []
     if reason := no_witness(study):
         return [Check("witness", 1.0, 0.0, "-", "doubt", f"no second solver: {reason}")]
@@ -289,6 +288,8 @@ def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> lis
 
 def mode_checks(study: Study, levels: Sequence[ControlLevel]) -> list[Check]:
     """Return by how much shell modes that the basis leaves out may change the mean power, at any damper computed."""
+    if not study.has_shell:
+        return []
     checks, tolerance = [], study.modes.tolerance
     for wave, design in product(study.waves, study.designs):
         found = [r for r in levels if (r.design, r.wave) == (design, wave.label) and r.rung in ("fixed", "best_damper")]
@@ -320,7 +321,7 @@ def ring_width_checks(study: Study, database: str) -> list[Check]:
         Path of the hydro database.
     """
     seas = [wave for wave in study.waves if not wave.still]
-    if study.pto.several or not seas or not has_attachment_modes(study) or not ring_loads(study):
+    if not study.has_shell or study.pto.several or not seas or not has_attachment_modes(study) or not ring_loads(study):
         return []
     shell, checks = Shell.of(study.device), []
     widths = HIGHEST, int(shell.reach / shell.thickness)
@@ -373,12 +374,12 @@ class Invalid(NamedTuple):
     advice: str = ""  # of the check
 
 
-def flexible_designs(study: BaseStudy) -> list[str]:
+def flexible_designs(study: Study) -> list[str]:
     """Return the designs that are not rigid."""
     return [name for name, design in study.designs.items() if design.flexible]
 
 
-def invalid_designs(study: BaseStudy, checks: Sequence[Check]) -> list[Invalid]:
+def invalid_designs(study: Study, checks: Sequence[Check]) -> list[Invalid]:
     """Return why designs are not valid: a line for each design, sea and check that invalidates.
 
     A check that names no design invalidates all it may (`vsb.engine.hydro.database.INVALIDATING`), one without a sea
@@ -421,7 +422,7 @@ NEAR_THE_END = 0.8
 
 
 def sea_checks(
-    study: BaseStudy, wave: Wave, runs: Runs, basis: ModeBasis | None = None, database: xr.Dataset | None = None
+    study: Study, wave: Wave, runs: Runs, basis: ModeBasis | None = None, database: xr.Dataset | None = None
 ) -> list[Check]:
     """Return the checks of all runs in a sea: energy, small motion, slip at clamps, what model `auto` leaves out.
 
@@ -429,7 +430,7 @@ def sea_checks(
     ----------
     runs : mapping design -> trajectory in this sea
     basis : ModeBasis, optional
-        Axisymmetric shell modes, of a study of a buoy.
+        Axisymmetric shell modes, of flexible buoys.
     database : xarray.Dataset, optional
         Of a study of a body.
     """
@@ -438,9 +439,8 @@ def sea_checks(
         run = runs[design]
         energy = energy_check(study.simulation, run.attrs["energy_residual"])
         checks.append(replace(energy, design=design, wave=wave.label))
-        if study.buoy:
-            assert basis is not None
-            checks += buoy_motion_checks(study.buoy, basis, wave, run)
+        if study.THING == "buoy":
+            checks += buoy_motion_checks(study, basis, wave, run)
         else:
             assert database is not None
             checks += body_motion_checks(study, database, run)
@@ -460,7 +460,7 @@ def energy_check(settings: Simulation, residual: float) -> Check:
     return check_at_most("energy_residual", residual, closed, "-", text, doubt=True)
 
 
-def buoy_motion_checks(study: Study, basis: ModeBasis, wave: Wave, run: xr.Dataset) -> list[Check]:
+def buoy_motion_checks(study: Study, basis: ModeBasis | None, wave: Wave, run: xr.Dataset) -> list[Check]:
     """Return heave, attitude, deformation and strain in the window against what a linear model allows."""
     radius, where = study.device.radius, {"design": run.attrs["design"], "wave": wave.label}
     inside = run.sel(time=slice(*study.simulation.window))
@@ -477,6 +477,7 @@ def buoy_motion_checks(study: Study, basis: ModeBasis, wave: Wave, run: xr.Datas
             text = f"wavenumber times the largest surge, {plain(along)} m; without a mooring a start drifts"
             checks.append(check_at_most("surge", phase, 0.5, "-", text, doubt=True, **where))
     if flexible(run.dof.values):
+        assert basis is not None
         moved_shell, strain = deformation(study, basis, inside)
         text = "shell displacement over radius"
         checks.append(check_at_most("deformation", moved_shell, 0.1, "-", text, doubt=True, **where))
@@ -501,7 +502,7 @@ def deformation(study: Study, basis: ModeBasis, run: xr.Dataset) -> tuple[float,
     return moved / study.device.radius, strain
 
 
-def body_motion_checks(study: BaseStudy, database: xr.Dataset, run: xr.Dataset) -> list[Check]:
+def body_motion_checks(study: Study, database: xr.Dataset, run: xr.Dataset) -> list[Check]:
     """Return the largest rotation in the window, and the largest translation over the body's size if that is known."""
     where = {"design": run.attrs["design"], "wave": run.attrs["wave"]}
     largest = np.abs(run.position.sel(time=slice(*study.simulation.window))).max("time")
@@ -519,7 +520,7 @@ def body_motion_checks(study: BaseStudy, database: xr.Dataset, run: xr.Dataset) 
     return checks
 
 
-def simplification_checks(study: BaseStudy, wave: Wave, runs: Runs) -> list[Check]:
+def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
     """Return the errors of powers and gains by what the automatic model leaves out in a sea."""
     limit, checks, errors = study.hydro.power_tolerance or POWER_TOLERANCE, [], {}
     for design in study.designs:
@@ -588,7 +589,7 @@ def law_checks(runs: Attributes) -> list[Check]:
     return checks
 
 
-def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row], runs: Attributes) -> list[Check]:
+def agreement_checks(study: Study, frequency: xr.Dataset, rows: Sequence[Row], runs: Attributes) -> list[Check]:
     """Return by how much mean powers of runs in regular waves differ from those of linear theory.
 
     Of a linear run the difference is an error of the simulation, of a body-exact run what nonlinearity does, and of
@@ -616,9 +617,9 @@ def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row
     return checks
 
 
-def _dampers_in_words(study: BaseStudy, run: Any) -> str:
+def _dampers_in_words(study: Study, run: Any) -> str:
     """Equivalent dampers of a run's drag; of several directions each with its name."""
-    names = [name.lower() if study.buoy else name for name in study.plates] or ["heave"]
+    names = [name.lower() if study.THING == "buoy" else name for name in study.plates] or ["heave"]
     values = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
     if names == ["heave"]:
         return f"{values[0]} {FORCE.damping_unit}"

@@ -20,7 +20,7 @@ from vsb.results.budget import Budget, Source
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line, Sample, families, record_interval, student, together
-from vsb.study.study import FEWEST_BATCHES, BaseStudy
+from vsb.study.study import FEWEST_BATCHES, Study
 from vsb.tools.arrays import FloatArray
 
 LEVELS = {"fixed": "fixed", "each": "best_damper", "one": "best_damper_all_seas"}
@@ -55,7 +55,7 @@ OUT_OF_REACH = 5.0
 """Limit over the peak of a realisation by linear theory, above which the take-off never meets it."""
 
 
-def is_linear(study: BaseStudy, run: Mapping[str, Any], level: ControlLevel | None = None) -> bool:
+def is_linear(study: Study, run: Mapping[str, Any], level: ControlLevel | None = None) -> bool:
     """Return whether a run is of linear hydrodynamics and a linear take-off, which the frequency domain describes.
 
     So is one whose limits are out of reach, by the control level with its damper.
@@ -70,7 +70,7 @@ def is_linear(study: BaseStudy, run: Mapping[str, Any], level: ControlLevel | No
     return pto.force_limit > OUT_OF_REACH * level.force_peak and pto.stroke_limit > OUT_OF_REACH * level.stroke_peak
 
 
-def linear_seas(study: BaseStudy, runs: Attributes, levels: Sequence[ControlLevel]) -> set[str]:
+def linear_seas(study: Study, runs: Attributes, levels: Sequence[ControlLevel]) -> set[str]:
     """Return the irregular seas in all whose runs hydrodynamics and take-off are linear, see `is_linear`."""
     by = {(one.design, one.wave, one.rung): one for one in levels}
     found = set()
@@ -82,7 +82,7 @@ def linear_seas(study: BaseStudy, runs: Attributes, levels: Sequence[ControlLeve
 
 
 def mean_powers(
-    study: BaseStudy,
+    study: Study,
     rows: Sequence[Row],
     runs: Attributes,
     levels: Sequence[ControlLevel],
@@ -142,7 +142,7 @@ def with_mean_powers(rows: Sequence[Row], means: MeanPowers) -> list[Row]:
     return found
 
 
-def with_record_intervals(study: BaseStudy, wave: Wave, rows: Sequence[Row], samples: Samples) -> list[Row]:
+def with_record_intervals(study: Study, wave: Wave, rows: Sequence[Row], samples: Samples) -> list[Row]:
     """Return the rows of a sea with what the mean of each record alone says of it; nothing of other seas than spectra.
 
     Parameters are those of `mean_powers`.
@@ -157,7 +157,7 @@ def with_record_intervals(study: BaseStudy, wave: Wave, rows: Sequence[Row], sam
     return found
 
 
-def of_seas(study: BaseStudy, lines: Sequence[Line], means: MeanPowers) -> list[Line]:
+def of_seas(study: Study, lines: Sequence[Line], means: MeanPowers) -> list[Line]:
     """Return the lines of irregular seas with the mean powers of the seas; those of the runs stand beside them."""
     labels = {name: waves[0].label for name, waves in families(study).items()}
     found = []
@@ -189,7 +189,7 @@ class _Estimate(NamedTuple):
 
 
 def _linear(
-    study: BaseStudy,
+    study: Study,
     wave: Wave,
     frequency: xr.Dataset | None,
     design: str,
@@ -211,7 +211,7 @@ def _linear(
 
 
 def _estimate(
-    study: BaseStudy,
+    study: Study,
     attrs: Sequence[Mapping[str, Any]],
     level: ControlLevel | None,
     record: float,
@@ -257,7 +257,7 @@ def ratio_estimate(own: Sample, linear: float | None = None) -> tuple[float, Flo
     return power, scale * own.batches - power * own.linear_batches / float(own.linear_batches.mean())
 
 
-def _with_gains(study: BaseStudy, some: Mapping[str, _Estimate]) -> dict[str, MeanPower]:
+def _with_gains(study: Study, some: Mapping[str, _Estimate]) -> dict[str, MeanPower]:
     """Mean powers of all designs in a sea with the budgets of power and gain."""
     reference = study.reference_design
     over = gains({design: one.power for design, one in some.items()}, reference)

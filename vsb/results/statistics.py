@@ -20,7 +20,7 @@ from vsb.engine.waves.kinds import Irregular
 from vsb.engine.waves.seas import Sea, superposed
 from vsb.models.take_off import LINEARISED
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
-from vsb.study.study import FEWEST_BATCHES, BaseStudy
+from vsb.study.study import FEWEST_BATCHES, Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.words import csv_text, plain
 
@@ -87,7 +87,7 @@ def batches_in(record: float, length: float) -> int:
     return max(1, int(record / length + 1e-9))
 
 
-def families(study: BaseStudy) -> dict[str, list[Irregular]]:
+def families(study: Study) -> dict[str, list[Irregular]]:
     """Return the irregular seas of a study, realisations of one sea together, by the name without seed."""
     found: dict[str, list[Irregular]] = {}
     for wave in study.waves:
@@ -123,7 +123,7 @@ class Sample(NamedTuple):
 
 
 def sample(
-    study: BaseStudy,
+    study: Study,
     wave: Irregular,
     design: str,
     run: xr.Dataset,
@@ -273,7 +273,7 @@ def stratified_half_width(draws: FloatArray) -> float:
     return student(freedom) * float(np.sqrt(variance))
 
 
-def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
+def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """Return one line per design and irregular sea.
 
     Parameters
@@ -283,7 +283,7 @@ def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> l
     return [line for waves in families(study).values() for line in _of_sea(study, waves, samples)]
 
 
-def _of_sea(study: BaseStudy, waves: Sequence[Irregular], samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
+def _of_sea(study: Study, waves: Sequence[Irregular], samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """One line per design in one irregular sea."""
     designs, reference = list(study.designs), study.reference_design
     records = {design: together([samples[design, wave.label] for wave in waves]) for design in designs}
@@ -338,7 +338,7 @@ def linear_power(power: xr.DataArray, sea: Sea) -> float:
     return float(sea.mean_of(CubicSpline(power.omega.values, power.values)(sea.omega)))
 
 
-def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
+def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
     """Return how well mean powers in irregular seas are known, and whether runs agree with linear theory."""
     checks, linear = [], study.hydro.model == "linear" and not study.pto.nonlinear
     for line in lines:

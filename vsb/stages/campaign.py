@@ -39,7 +39,6 @@ from vsb.stages.members import at_rest
 from vsb.stages.stage import Stamp
 from vsb.stages.water import shell_modes
 from vsb.study import figure_names
-from vsb.study.body import AnyStudy
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.tools.files import load, save, write_text
@@ -53,7 +52,7 @@ def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
     if float(found.margin.values.flat[nearest]) >= 0 and not shells_not_viable(found).startswith(OVERLOADED):
         return {}
     (one,) = members(spec.base, [spec.vary.points[nearest]], spec.climate, spec.tuning)
-    return {"advice": advice(one.study)} if isinstance(one.study, Study) else {}
+    return {"advice": advice(one.study)}
 
 
 def run_campaign(
@@ -75,7 +74,7 @@ FRAMES = PER_PERIOD * PERIODS
 class Point(NamedTuple):
     """A point of a campaign whose take-off a page knows."""
 
-    study: AnyStudy  # of its viable designs
+    study: Study  # of its viable designs
     floating: Floating
 
 
@@ -99,9 +98,9 @@ def run_campaign_report(
         every = {name: drawn(figure, name) for name, figure in figures_of(spec, ds, seas)}
     files = [path for name, one in every.items() for path in one.write(figures, name)]
     interactive, animated = (made(spec, ds, *leading(ds), seas, root) for made in (interactive_year, animated_year))
-    buoy = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study.buoy
+    (first,) = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)
     svgs = {name: one.svg for name, one in every.items()}
-    write_text(out, render(ds, svgs, interactive, sketches(buoy) if buoy else [], animated, seas.notes))
+    write_text(out, render(ds, svgs, interactive, sketches(first.study), animated, seas.notes))
     record(manifest, identity, [out, *files])
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError
-from vsb.pipeline.graph import BodyPlan, StudyPlan
+from vsb.pipeline.graph import BodyPlan
 from vsb.pipeline.plans import CampaignPlan
 from vsb.stages.check import read_climate
 from vsb.study.campaign import where_of
@@ -23,28 +23,27 @@ def check(plan: CampaignPlan) -> None:
     Raises `ConfigError`.
     """
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    for one in {member.spec.sweep: member for member in plan.members}.values():
-        if one.study.buoy:
-            hydro = StudyPlan(one.study.buoy, root=plan.root)
+    for hydro in plan.waters:
+        if isinstance(hydro, BodyPlan):
+            _check_body(plan, hydro, seas)
+        else:
             hydro.check_waves()
-            _check_band(plan, seas, hydro.first_omega, one.study.buoy.hydro.omega_max)
-    for body in plan.bodies:
-        _check_body(plan, body, seas)
+            _check_band(plan, seas, hydro.first_omega, hydro.study.hydro.omega_max)
     for member in plan.members:
-        if (buoy := member.study.buoy) and any(
-            one.flexible and buoy.modes.max_degree <= 2 * len(one.clamp) for one in buoy.designs.values()
+        study = member.study
+        if study.has_shell and any(
+            one.flexible and study.modes.max_degree <= 2 * len(one.clamp) for one in study.designs.values()
         ):
-            _check_clamps(buoy, where_of(member.point), plan.loaded.source)
-    for task in plan.verifications.values():
-        if buoy := task.spec["member"].study.buoy:
-            _check_runs(buoy, plan.loaded.source)
+            _check_clamps(study, where_of(member.point), plan.loaded.source)
+    for task in plan.verifications.values() if not plan.bodies else ():
+        _check_runs(task.spec["member"].study, plan.loaded.source)
 
 
 def _check_band(plan: CampaignPlan, seas: Climate, omega_min: float, omega_max: float) -> None:
     """Raise if more than a hundredth of the variance lies outside the frequencies of a point [rad/s]."""
     outside = seas.variance_outside(omega_min, omega_max)
     if outside > OUTSIDE:
-        needed = "a larger hydro.omega_max in the study" if plan.loaded.base.buoy else "coefficients of a wider band"
+        needed = "a larger hydro.omega_max in the study" if not plan.bodies else "coefficients of a wider band"
         raise ConfigError(
             f"{plan.loaded.source}: climate: {100 * outside:.3g} % of its variance lies outside {omega_min:.4g} to "
             f"{omega_max:.4g} rad/s, which a point solves; needs at most {100 * OUTSIDE:.3g} %, {needed}"
@@ -95,7 +94,7 @@ def summary(plan: CampaignPlan) -> list[str]:
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     given = plan.loaded.campaign
     shapes = len({one.spec.sweep for one in plan.members})
-    kinds = "shapes of the water" if plan.loaded.base.buoy else "databases"
+    kinds = "databases" if plan.bodies else "shapes of the water"
     stored = packed.packs(Path(plan.folder, "members"))
     done = sum(one.id in stored for one in plan.members) if stored else 0
     jobs = sum(not Path(one.out).exists() for one in plan.batches.values())
@@ -120,7 +119,7 @@ def _load_lines(plan: CampaignPlan) -> list[str]:
     from vsb.engine.hydro.database import Check, Verdict
     from vsb.models.viability import OVERLOADED, advice, viability
 
-    shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
+    shells = [one.study for one in plan.members if one.study.has_shell]
     if not 0 < len(shells) <= MOST_POINTS:
         return []
 

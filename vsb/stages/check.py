@@ -14,9 +14,9 @@ from vsb.errors import ConfigError
 from vsb.pipeline.costs import GREEN_KEPT_SECONDS
 from vsb.pipeline.graph import BodyPlan, StudyPlan
 from vsb.pipeline.jobs import cost_line
-from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, degree_lines
+from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, base_study, degree_lines
 from vsb.study.campaign import ClimateFile
-from vsb.study.study import BaseStudy, units_doubted, unlikely_units
+from vsb.study.study import units_doubted, unlikely_units
 from vsb.tools.files import sha256_of
 
 
@@ -67,25 +67,20 @@ def _of(plan: Plan) -> Any:
     return importlib.import_module(f"vsb.stages.{MODULES[type(plan)]}")
 
 
-def _study(plan: Plan) -> BaseStudy:
-    """The study of a plan, or the one a campaign or a design problem begins with."""
-    return plan.study if isinstance(plan, StudyPlan | BodyPlan) else plan.loaded.base
-
-
 def check_plan(plan: Plan) -> None:
     """Raise what would fail later in a run; raises `ConfigError` or `DatabaseError`."""
-    with units_doubted(_study(plan)):
+    with units_doubted(base_study(plan)):
         _of(plan).check(plan)
 
 
 def unit_lines(plan: Plan) -> list[str]:
     """Return what is to be said of numbers that are likely only in another unit."""
-    return [f"doubt        units: {line}" for line in unlikely_units(_study(plan))]
+    return [f"doubt        units: {line}" for line in unlikely_units(base_study(plan))]
 
 
 def summary(plan: Plan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and what to doubt."""
-    with units_doubted(_study(plan)):
+    with units_doubted(base_study(plan)):
         first, *others = _of(plan).summary(plan)
     degrees = degree_lines(plan) if isinstance(plan, StudyPlan | CampaignPlan) else []
     return [first, *sea_lines(plan), *cost_lines(plan), *others, *unit_lines(plan), *degrees]

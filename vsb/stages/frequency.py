@@ -29,8 +29,8 @@ from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.report.answer import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.stages.stage import Stamp
-from vsb.study.body import AnyStudy
-from vsb.study.specs import AnyPart
+from vsb.study.specs import StudyPart
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save, write_text
 from vsb.tools.stamps import record
@@ -131,7 +131,7 @@ BEYOND = 2.0
 
 
 def run_response(
-    study: AnyPart,
+    study: StudyPart,
     omega: list[float],
     directions: list[float],
     database: str,
@@ -174,14 +174,14 @@ def run_response(
     save(found.assign_attrs(attrs, **stamp), out)
 
 
-def port_attributes(study: AnyStudy) -> dict[str, str]:
+def port_attributes(study: Study) -> dict[str, str]:
     """Return what a response says of the take-off."""
     pto = study.pto
     tuned, kind = pto.tuning != "fixed" if pto.several else pto.damping is None, port_kind(pto.port)
     return {"take_off": TAKE_OFF[tuned], "port": canonical(pto.port).strip('"'), "port_kind": kind.load}
 
 
-def at_several_ports(study: AnyStudy, floating: FloatingSystem, omega: FloatArray) -> xr.Dataset:
+def at_several_ports(study: Study, floating: FloatingSystem, omega: FloatArray) -> xr.Dataset:
     """Return the response with a damper matrix: the one given, else the best one of each frequency.
 
     `port_impedance` has the dimensions (design, omega, port, port_); the ports of a damper spread over the shell are
@@ -224,7 +224,7 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     return response.with_others(np.array([*extra]), [*between, float(omega[-1])])
 
 
-def with_resonances(study: AnyStudy, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
+def with_resonances(study: Study, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
     pto = NO_TAKE_OFF if study.pto.several else LinearPto(0.0, study.pto.stiffness, floating.port)
     highest = natural_to(floating)
@@ -263,22 +263,20 @@ def ports_at(designs: Mapping[str, DesignMotion], omega: FloatArray, direction: 
     return {name: port for one in designs.values() for name, port in one.system.ports(omega, direction).items()}
 
 
-def best_powers(
-    study: AnyStudy, designs: Mapping[str, DesignMotion], direction: float, omega: FloatArray
-) -> xr.DataArray:
+def best_powers(study: Study, designs: Mapping[str, DesignMotion], direction: float, omega: FloatArray) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
     best = [port.best_power for port in beside_spring(study, ports_at(designs, omega, direction)).values()]
     return xr.DataArray(best, {"design": list(study.designs), "omega": omega}, ("design", "omega"))
 
 
-def beside_spring(study: AnyStudy, seen: Mapping[str, Port]) -> dict[str, Port]:
+def beside_spring(study: Study, seen: Mapping[str, Port]) -> dict[str, Port]:
     """Return what a damper beside the take-off's spring sees of all designs."""
     spring = study.pto.stiffness
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
 def in_waves(
-    study: AnyStudy,
+    study: Study,
     floating: FloatingSystem,
     designs: Mapping[str, DesignMotion],
     direction: float,
@@ -307,7 +305,7 @@ def in_waves(
     )
 
 
-def at_port(study: AnyStudy, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
+def at_port(study: Study, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
     """Return what does not depend on where waves come from: impedances, best dampers, the limit of heave alone."""
     water, best, omega = study.water, beside_spring(study, seen), next(iter(seen.values())).omega
     limit = [reached * power_limit(w, water.depth, water.density, water.gravity) for w in omega]
@@ -321,7 +319,7 @@ def at_port(study: AnyStudy, seen: Mapping[str, Port], reached: int) -> xr.Datas
     )
 
 
-def natural(study: AnyStudy, floating: FloatingSystem) -> xr.Dataset:
+def natural(study: Study, floating: FloatingSystem) -> xr.Dataset:
     """Return wet natural frequencies and damping ratios of all designs; an unrestrained motion has none.
 
     Of a shell those to `natural_to`, and the first above.
@@ -343,7 +341,7 @@ def natural(study: AnyStudy, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(study: AnyPart, database: str, out: str, levels: str, manifest: str, stamp: Stamp) -> None:
+def run_ladder(study: StudyPart, database: str, out: str, levels: str, manifest: str, stamp: Stamp) -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
     found = study_ladder(study, database)
     write_text(out, as_csv(found))

@@ -9,7 +9,7 @@ import yaml
 
 from vsb.errors import ConfigError
 from vsb.keys.reading import read_yaml
-from vsb.study.body import located
+from vsb.study.body import located, read_study
 from vsb.study.campaign import read
 from vsb.study.design import read as read_design
 from vsb.study.study import load, parse
@@ -70,8 +70,7 @@ def init_campaign(path: str, study: str) -> str:
     if site.exists():
         raise ConfigError(f"{site}: exists already; give the campaign a new name")
     raw = read_yaml(study, "a study file such as config/buoy.yaml")
-    of_body = isinstance(raw, dict) and "body" in raw
-    located(raw, study) if of_body else load(study)
+    of_body = read_study(raw, study).study.THING == "body"
     base = base if re.fullmatch(r"[\w./-]+", base) else json.dumps(base)  # quoted as YAML reads it
     climate = f"{{scatter: {site.name}{', direction: 0.0' * of_body}}}"
     shipped = BODY_CAMPAIGN if of_body else CAMPAIGN

@@ -57,7 +57,6 @@ from vsb.stages.check import read_climate
 from vsb.stages.make import make, solve
 from vsb.stages.stage import Stamp
 from vsb.stages.water import Blocks, refined
-from vsb.study.body import AnyStudy, BodyHydro
 from vsb.study.campaign import CAUSAL, ClimateFile, Constrained, Tunings, Verify
 from vsb.study.resolution import COARSEST_SWEEP
 from vsb.study.specs import MemberSpec, VerificationSpec, spec_of
@@ -115,7 +114,7 @@ class Work:
 
 
 def at_rest(
-    study: AnyStudy, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
+    study: Study, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
 ) -> tuple[Viability, Callable[[], Floating]]:
     """Return which designs of a member are viable, and what floats of these, to be asked for if there are any.
 
@@ -129,7 +128,7 @@ def at_rest(
             kept[spec.sweep] = read()
         return kept[spec.sweep]
 
-    if not isinstance(study, Study):
+    if study.THING == "body":
         body: LinearSystem = coefficients(lambda: stored_body(database_path(root, *spec.sweep)))
         floating = floating_body(study, replace(body, direction=float(np.deg2rad(spec.climate.direction))))
         found = viability_of_body(study, floating)
@@ -220,7 +219,7 @@ def in_words(verify: Verify) -> str:
     return f"{verify.seas} seas, {model}, {means} after a start-up of at least {STARTUP:g}"
 
 
-def _of_viable(spec: VerificationSpec, study: AnyStudy, floating: Floating, seas: Climate, root: str) -> xr.Dataset:
+def _of_viable(spec: VerificationSpec, study: Study, floating: Floating, seas: Climate, root: str) -> xr.Dataset:
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning in ("fixed", "one", "each", CAUSAL)  # the others are of no law in time
@@ -234,7 +233,7 @@ def _of_viable(spec: VerificationSpec, study: AnyStudy, floating: Floating, seas
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
-    designs = in_time(spec.study.buoy, root) if spec.study.buoy else bodies_in_time(spec, root)
+    designs = bodies_in_time(spec, root) if study.THING == "body" else in_time(spec.study, root)
     some = {design: designs[design] for design in study.designs}
     if tuning == CAUSAL:
         equipped = under_schedules(seas, by_bin, some)
@@ -260,9 +259,8 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
 
 def bodies_in_time(spec: VerificationSpec, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a body ready for any sea, without a damper yet, from its database and radiation memory."""
-    (database,), hydro, pto = spec.sweep, spec.study.hydro, spec.study.pto
-    assert isinstance(hydro, BodyHydro)
-    memory = spec_of("radiation", tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf)
+    (database,), pto = spec.sweep, spec.study.pto
+    memory = spec_of("radiation", **spec.study.hydro.model_dump(include={"tolerance", "added_mass_inf"}))
     radiation = body_memory(radiation_path(root, result_id(memory, database)))
     floating = floating_system(spec.study, database_path(root, database))
     linear, take_off = floating.towards(spec.climate.direction), LinearPto(0.0, pto.stiffness, floating.port)

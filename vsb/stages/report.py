@@ -77,7 +77,7 @@ from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_
 from vsb.results.statistics import families
 from vsb.stages.stored import Inputs
 from vsb.study import figure_names
-from vsb.study.body import CONTENTS, AnyStudy
+from vsb.study.body import CONTENTS
 from vsb.study.resolution import no_witness
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -85,20 +85,19 @@ from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 
 
-def run_compare(compared: AnyStudy, trajectories: str, **files: str) -> None:
+def run_compare(compared: Study, trajectories: str, **files: str) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
     found = Inputs(compared, trajectories, files)
-    buoy = compared.buoy
-    reference = reference_shell(buoy) if buoy else None
+    reference = reference_shell(compared) if compared.has_shell else None
     in_seas = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
     rows = [row for one in in_seas for row in one.rows]
     runs = {run: attrs for one in in_seas for run, attrs in one.runs.items()}
     checks = [check for one in in_seas for check in one.checks]
-    if buoy and reference:
-        checks = [*ledger.shell_checks(buoy, reference), *checks]
+    if reference:
+        checks = [*ledger.shell_checks(compared, reference), *checks]
     checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *law_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
@@ -122,11 +121,10 @@ def run_compare(compared: AnyStudy, trajectories: str, **files: str) -> None:
         checks += irregular.statistical_checks(compared, lines)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += [*reference_power_checks(compared, ladder), *material_checks(compared.pto, ladder)]
-        checks += (
-            [*ledger.mode_checks(buoy, ladder), *ledger.ring_width_checks(buoy, found.path("database"))] if buoy else []
-        )
-    elif buoy:
-        checks += ledger.assumed_pressure_checks(buoy, rows)
+        checks += ledger.mode_checks(compared, ladder)
+        checks += ledger.ring_width_checks(compared, found.path("database"))
+    else:
+        checks += ledger.assumed_pressure_checks(compared, rows)
         rows = with_mean_powers(rows, mean_powers(compared, rows, runs, (), None, {}))
     checks = ledger.worst_first(checks)
     invalid = ledger.invalid_designs(compared, checks)
@@ -160,12 +158,11 @@ def of_the_water(
     Of a buoy also the limit of its power, and what a second solver says. `linear` names the seas whose runs are.
     """
     study, database = found.study, found.database
-    buoy = study.buoy
-    checks = [ledger.limit_check(found.response)] if buoy else []
+    checks = ledger.limit_checks(study, found.response)
     checks += ledger.radiation_checks(found.radiation, study.hydro.tolerance)
     checks += [*ledger.seas_checks(study, database, linear), *agreement_checks(study, found.response, rows, runs)]
     checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
-    return checks + (ledger.witness_checks(buoy, database, found.witness) if buoy else [])
+    return checks + ledger.witness_checks(study, database, found.witness)
 
 
 class InASea(NamedTuple):
@@ -204,7 +201,7 @@ FREQUENCIES = 2000
 """At which spectra are drawn."""
 
 
-def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
+def run_figures(study: Study, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Draw and write all figures of a study into a folder: SVG, and their data as CSV."""
     found = Inputs(study, trajectories, files)
     written: list[str] = []
@@ -230,7 +227,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
         runs=found.runs,
         witness=found.witness,
         tuned=study.pto.damping is None,
-        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "",
+        limit=f"limit {found.response.attrs.get('limit', study.LIMIT)}" if study.LIMIT else "",
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
         ports={name: port_kind(port) for name, port in named_ports(study.pto).items()},
@@ -240,7 +237,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
     yield from ((name, draw(name, data)) for name in figure_names.of_study(found.study))
 
 
-def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
+def _raos(study: Study, found: Inputs) -> xr.DataArray:
     """Response amplitude operators, (wave_direction, design, omega, dof), the take-off's port among the motions."""
     if not study.needs_bem:
         return xr.DataArray()
@@ -256,7 +253,7 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
     return together
 
 
-def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
+def _knowledge(study: Study, found: Inputs) -> dict[str, xr.Dataset]:
     """What knowledge of the waves is worth, by label of the seas with a figure of it."""
     waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if wave.irregular}
     drawn = [wave for name, wave in waves.items() if name in figure_names.of_study(found.study)]
@@ -266,7 +263,7 @@ def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
     return {wave.label: worth_of_knowledge(study, floating, wave) for wave in drawn}
 
 
-def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
+def _spectra(study: Study, highest: float) -> xr.DataArray:
     """Spectral density of each irregular sea, by its words, up to the highest frequency runs have components at."""
     waves = [wave for wave in study.drawn_waves if wave.irregular]
     if not waves:
@@ -276,12 +273,12 @@ def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
     return xr.DataArray([wave.density(omega) for wave in waves], coords)
 
 
-def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
+def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
     """Period of a sea, in still water of the slowest free motion [s]; 2 pi if nothing is restrained."""
     if not wave.still:
         return 2 * np.pi / wave.omega
-    if study.buoy and not study.needs_bem:
-        return 2 * np.pi / study.buoy.heave_frequency  # without added mass
+    if not study.needs_bem:
+        return 2 * np.pi / study.heave_frequency  # without added mass
     return 2 * np.pi / (float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0)
 
 
@@ -291,7 +288,7 @@ SEAS = 24
 """Most seas a reader can choose from."""
 
 
-def no_slider(study: AnyStudy) -> str:
+def no_slider(study: Study) -> str:
     """Return why a reader cannot move the damping of a study on its page; empty if impedance and sea give its power."""
     spread = any(wave.spreads for wave in study.waves)
     reasons = (
@@ -304,7 +301,7 @@ def no_slider(study: AnyStudy) -> str:
 
 
 def interactive_study(
-    study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
+    study: Study, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none without waves that radiate, or for one of the reasons of `no_slider`.
 
@@ -332,7 +329,7 @@ def interactive_study(
     shown = np.asarray(shown[thinned(shown)])
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
     bands = [seen.grid(shown, towards) for towards in going]
-    bound = response.attrs.get("limit", "λ/2π" if study.buoy else "")
+    bound = response.attrs.get("limit", study.LIMIT)
     on = [seen.grid(*one) for one in grids]
     return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound, port_kind(pto.port))
 
@@ -341,7 +338,7 @@ def interactive_study(
 class _Seen:
     """What the take-off of a study sees of all designs, in waves of any direction [degrees]."""
 
-    study: AnyStudy
+    study: Study
     floating: FloatingSystem
 
     def ports(self, towards: float) -> dict[str, SeenPort]:
@@ -367,7 +364,7 @@ class _Seen:
 
 
 def _sea(
-    study: AnyStudy,
+    study: Study,
     name: str,
     wave: RegularWave | Irregular,
     known: tuple[float, float],
@@ -411,10 +408,10 @@ def _jonswap(peak: Peak, width: float, band: tuple[float, float]) -> dict[str, f
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
 
 
-def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
+def run_report(study: Study, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Write the report of a study, from its checked results alone."""
     stored = Inputs(study, trajectories, files)
-    buoy, study_id = study.buoy, stored.plan.identity
+    study_id = stored.plan.identity
     found = json.loads(read_text(files["tables"], manifest, study_id))
     page = Report(
         study=study.model_dump(),
@@ -430,9 +427,9 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         checks=found["checks"],
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
         reference=study.reference_design,
-        sketches=sketches(buoy) if buoy else (),
-        thing="buoy" if buoy else "body",
-        flexible=study.flexible and (buoy is not None or is_flexible(stored.response.dof.values)),
+        sketches=sketches(study),
+        thing=study.THING,
+        flexible=study.has_shell or (study.flexible and is_flexible(stored.response.dof.values)),
         animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         no_slider=no_slider(study),
@@ -445,23 +442,22 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
     record(manifest, study_id, [out])
 
 
-def _seas(study: AnyStudy) -> dict[str, str]:
+def _seas(study: Study) -> dict[str, str]:
     """Every sea in words; an assumed pressure is no sea."""
     if study.needs_bem:
         names = {name: waves[0].description for name, waves in families(study).items()}
         return {wave.label: wave.description for wave in study.waves} | names
-    pressure = study.buoy.hydro.pressure if study.buoy else None
-    words = f"an assumed uniform pressure of {pressure:g} Pa and {{:g}} s period"
+    words = f"an assumed uniform pressure of {study.hydro.pressure:g} Pa and {{:g}} s period"
     return {w.label: w.description if w.still else words.format(2 * np.pi / w.omega) for w in study.waves}
 
 
 def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """How the results were made, in words."""
-    study, buoy = stored.study, stored.study.buoy
-    hydrodynamics = _water_facts(stored) if study.needs_bem else {}
-    if buoy:
-        assumed = {"Hydrodynamics": ASSUMED.format(buoy.hydro.pressure)} if not study.needs_bem else {}
-        hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
+    study = stored.study
+    if study.needs_bem:
+        hydrodynamics = _water_facts(stored) | _cross_check_facts(stored)
+    else:
+        hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     printed = study.model_dump(exclude_none=True)
     for wave, sea in zip(printed["waves"], study.waves, strict=True):
         if sea.of_file:  # of records and spectra how much they hold
@@ -485,7 +481,7 @@ def _inputs(stored: Inputs) -> str:
     study, plan = stored.study, stored.plan
     files = [f"study {plan.identity}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
     files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if wave.of_file]
-    if study.buoy is None:
+    if study.THING == "body":
         given = getattr(study.body, study.body.kind)
         named = given.paths if isinstance(given, BodyFile) else {study.body.kind: given}
         files += [f"{name} {content}" for name, content in named.items()]
@@ -509,8 +505,10 @@ def _water_facts(stored: Inputs) -> dict[str, str]:
     }
 
 
-def _cross_check_facts(stored: Inputs, study: Study) -> dict[str, str]:
-    """What the second solver was, and how long it took."""
+def _cross_check_facts(stored: Inputs) -> dict[str, str]:
+    """What the second solver was, and how long it took; nothing of a body, which none knows."""
+    if (study := stored.study).THING == "body":
+        return {}
     if reason := no_witness(study):
         return {"Cross-check": f"none ({reason})"}
     ds, name = stored.witness, Path(stored.path("witness")).name
@@ -531,8 +529,8 @@ def animated_study(stored: Inputs, words: Mapping[str, str]) -> dict[str, Any] |
     None of a body whose coefficients come without its mesh.
     """
     study, shown = stored.study, _shown(stored)
-    if buoy := study.buoy:
-        labels, radius = list(map(str, stored.modes.mode.values)), buoy.device.radius
+    if radius := study.radius:
+        labels = list(map(str, stored.modes.mode.values))
         factor = round_factor(_largest(stored, lambda run: largest_shell(run.position, labels)), radius)
         view, drawn = View(SEEN * radius), {"factor": factor, "shapes": shapes_data(stored.modes)}
     elif OUTLINE in (ds := stored.database):

@@ -19,8 +19,8 @@ from vsb.engine.waves.seas import FEW
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.models.build import STEADY, DesignInSea, design_in_sea
 from vsb.stages.stage import Stamp
-from vsb.study.body import AnyStudy
 from vsb.study.specs import Run
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 
@@ -112,7 +112,7 @@ def _settled(system: System) -> dict[str, float | str]:
     return {"steady_power": power, "steady_difference": difference}
 
 
-def _linear_drift(study: AnyStudy, system: System, clamps: FloatArray) -> float:
+def _linear_drift(study: Study, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
     if not system.linear or study.waves[0].still:
         return 0.0

@@ -9,7 +9,7 @@ import xarray as xr
 
 from vsb.engine.hydro.database import load_database
 from vsb.pipeline.graph import ResultsPlan, plan_for, trajectory_name
-from vsb.study.body import AnyStudy
+from vsb.study.study import Study
 from vsb.tools.files import attributes, check_stamp, load
 
 
@@ -20,7 +20,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
     Raises `DatabaseError` by every run that is missing, damaged, or of another specification.
     """
 
-    study: AnyStudy
+    study: Study
     folder: str
     _kept: dict[tuple[str, str], xr.Dataset] = field(default_factory=dict, repr=False)
 
@@ -62,7 +62,7 @@ class Inputs:
     Raises `DatabaseError` by everything here: if a file is missing, damaged, or of another specification.
     """
 
-    study: AnyStudy
+    study: Study
     trajectories: str  # folder
     solved: Mapping[str, str] = field(default_factory=dict)  # paths of what is below, by its name
 

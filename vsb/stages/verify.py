@@ -11,8 +11,7 @@ from vsb.keys.quantities import id_in, leaves
 from vsb.pipeline.graph import AnyPlan, plan_for
 from vsb.pipeline.plans import CampaignPlan, DesignPlan, Plan, plan_of
 from vsb.stages.stage import shared_lock
-from vsb.study.body import is_body, located
-from vsb.study.study import parse
+from vsb.study.body import read_study
 from vsb.tools import packed
 from vsb.tools.files import DELETE, attributes
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest
@@ -63,7 +62,7 @@ def _plan(folder: Path) -> AnyPlan | None:
         return None
     try:
         raw = json.loads(path.read_text(encoding="utf-8"))
-        study = located(raw, str(path)).study if is_body(raw) else parse(raw)
+        study = read_study(raw, str(path)).study
         return plan_for(study, str(folder.parent))
     except (ValueError, RecursionError, VsbError):
         return None

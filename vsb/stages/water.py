@@ -26,7 +26,7 @@ from vsb.errors import ConvergenceError, DatabaseError
 from vsb.models.rest import check_stable, mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.stages.stage import Stamp
 from vsb.study.resolution import COARSEST_SWEEP
-from vsb.study.specs import BuoyPart, SpectralBlock
+from vsb.study.specs import SpectralBlock, StudyPart
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save
@@ -39,7 +39,7 @@ ORDER = "order"
 """Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
 
 
-def run_modes(study: BuoyPart, out: str, stamp: Stamp) -> None:
+def run_modes(study: StudyPart, out: str, stamp: Stamp) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     reference = reference_shell(study)
     check_stable(study, reference)
@@ -81,7 +81,7 @@ def _shapes(
     )
 
 
-def run_display(study: BuoyPart, out: str, manifest: str, stamp: Stamp) -> None:
+def run_display(study: StudyPart, out: str, manifest: str, stamp: Stamp) -> None:
     """Write the shell at rest and the displacement of every mode as a mesh to look at."""
     write_shell(reference_shell(study).shape, out)
     record(manifest, stamp["spec_id"], [out])
@@ -136,16 +136,17 @@ def geometry_errors(block: SpectralBlock) -> dict[str, object]:
     was 1.1 to 22 times the error of the spline, coefficient by coefficient. Nothing of other shapes.
     """
     shape, water = block.shape, block.water
-    given = shape.device.shape if isinstance(shape, Study) else shape.shape
+    hull = shape.device if isinstance(shape, Study) else shape
+    given, radius = hull.shape, hull.radius
     if given is None or given.profile is None or block.order:
         return {}
-    rest = given.meridian(shape.radius)
+    rest = given.meridian(radius)
     volume = rest.volume_below(-shape.centre_height)
-    omega = [share * math.sqrt(water.gravity / shape.radius) for share in _ALONG_BAND]
+    omega = [share * math.sqrt(water.gravity / radius) for share in _ALONG_BAND]
     found = []
-    for meridian in (rest, also_through(given.profile, shape.radius)):
+    for meridian in (rest, also_through(given.profile, radius)):
         height = -(meridian.lowest + meridian.draft_of(volume))
-        shell = rigid_buoy(Shell(shape.radius, 1e-9 * shape.radius, 1.0, 0.0, 1.0, meridian), height)
+        shell = rigid_buoy(Shell(radius, 1e-9 * radius, 1.0, 0.0, 1.0, meridian), height)
         heave = SpectralProblem(shell, displacements(["Heave"]), water.density, water.gravity, _NODES, water.depth)
         ds = database.with_excitation(heave.solve(omega))
         plane = shell.hydrostatic_stiffness(water.density, water.gravity)[0, 0]
@@ -155,7 +156,7 @@ def geometry_errors(block: SpectralBlock) -> dict[str, object]:
 
 
 def run_database(
-    study: BuoyPart,
+    study: StudyPart,
     sweep: list[str],
     tabulated: list[str],
     omega_max: float,

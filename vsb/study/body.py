@@ -29,7 +29,8 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Count, Finite, Name, Number, Positive, Section
 from vsb.keys.reading import read_yaml, validated
 from vsb.study.sections import BodyDrag, Published, check_followed
-from vsb.study.study import BaseStudy, Study, check_all
+from vsb.study.study import Study as Study
+from vsb.study.study import check_all, parse
 from vsb.tools.files import open_regular
 
 MOST_BODIES = 100
@@ -179,9 +180,10 @@ class BodyHydro(Section):
         return self
 
 
-class BodyStudy(Brief, BaseStudy):
+class BodyStudy(Brief, Study):
     """One study file of a body."""
 
+    THING, LIMIT = "body", ""
     BRIEF = ("drag",)
     study: Name
     body: Body
@@ -255,10 +257,6 @@ class BodyStudy(Brief, BaseStudy):
             raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
 
     @property
-    def buoy(self) -> None:
-        """There is none."""
-
-    @property
     def uses_panels(self) -> bool:
         """Whether its database is solved on the panels of a mesh, not read."""
         return isinstance(self.body.file, BodyFile)
@@ -282,17 +280,10 @@ class BodyStudy(Brief, BaseStudy):
         return 2 * math.pi / _SHORTEST if wave.still else wave.fastest
 
 
-AnyStudy = Annotated[
-    Annotated[Study, Tag("buoy")] | Annotated[BodyStudy, Tag("body")],
-    Discriminator(lambda value: "body" if isinstance(value, BodyStudy) or "body" in dict(value) else "buoy"),
-]
-"""A study of a buoy or of a body."""
-
-
 class LocatedBody(NamedTuple):
-    """A study of a body, known by contents, and the files these are in, by what they are."""
+    """A study, a body in it known by contents, and the files these are in, by what they are."""
 
-    study: BodyStudy
+    study: Study
     files: dict[str, str]
 
 
@@ -331,6 +322,11 @@ def located(raw: object, source: str) -> LocatedBody:
     return LocatedBody(_known_by(study, {body.kind: _contents(held, f"{source}: body.{body.kind}")}), files)
 
 
+def read_study(raw: object, source: str) -> LocatedBody:
+    """Return the study in nested mappings, of a buoy or of a body; see `located`."""
+    return located(raw, source) if is_body(raw) else LocatedBody(parse(raw, source=source), {})
+
+
 def wamit_files(path: str) -> list[str]:
     """Return WAMIT's files of a run by their path without endings: those needed, there or not, and others there."""
     there = [ending for ending in WAMIT if os.path.isfile(path + ending)]
@@ -345,7 +341,7 @@ def load_body(path: str | Path) -> LocatedBody:
     return located(read_yaml(path, "a study file of a body such as config/barge.yaml"), str(path))
 
 
-def _of_a_mesh(study: BodyStudy, body: BodyFile, path: str, source: str, own_water: bool) -> LocatedBody:
+def _of_a_mesh(study: Study, body: BodyFile, path: str, source: str, own_water: bool) -> LocatedBody:
     """A study of a body file, which stands at a path, in its water."""
     if own_water and study.water != body.water:
         raise ConfigError(f"{source}: water: differs from that of {path}; needs the same, or none here")
@@ -355,7 +351,7 @@ def _of_a_mesh(study: BodyStudy, body: BodyFile, path: str, source: str, own_wat
     return LocatedBody(_known_by(study.model_copy(update={"water": body.water}), {"file": solved}), files)
 
 
-def _known_by(study: BodyStudy, source: Mapping[str, object]) -> BodyStudy:
+def _known_by(study: Study, source: Mapping[str, object]) -> Study:
     """The study with its source known by contents."""
     return study.model_copy(update={"body": study.body.model_copy(update=dict(source))})
 

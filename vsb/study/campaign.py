@@ -13,8 +13,8 @@ from vsb.engine.motion.take_off import DistributedPort, Pto, SeveralPorts, port_
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Count, Name, Number, Section
 from vsb.keys.reading import read_yaml, validated
-from vsb.study.body import AnyStudy, BodyStudy, LocatedBody, is_body, located
-from vsb.study.study import Study, not_reserved, parse
+from vsb.study.body import read_study
+from vsb.study.study import Study, not_reserved
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.files import sha256_of
 
@@ -161,7 +161,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     campaign = validated(Campaign, raw, source)
     folder = Path(source).parent
     given = read_yaml(folder / campaign.study, "a study file such as config/buoy.yaml")
-    study, files = _located(given, str(folder / campaign.study))
+    study, files = read_study(given, str(folder / campaign.study))
     climate = folder / campaign.climate.file
     if campaign.campaign == study.study:
         raise ConfigError(f"{source}: campaign: received {campaign.campaign!r}, the name of its study; needs another")
@@ -203,7 +203,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, whose forces are of no law "
             "in time; needs fixed, one, each or causal beside it"
         )
-    if isinstance(study, BodyStudy):
+    if study.THING == "body":
         campaign, floats_by = _of_a_body(campaign, study, source), {}
     else:
         device = given["device"] if isinstance(given, Mapping) else {}  # mass or draft decides; else half immersion
@@ -223,12 +223,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     )  # fmt: skip
 
 
-def _located(raw: object, source: str) -> LocatedBody | tuple[Study, dict[str, str]]:
-    """The study of a file and, of a body, the files it is read from."""
-    return located(raw, source) if is_body(raw) else (parse(raw, source=source), {})
-
-
-def _of_a_body(campaign: Campaign, study: BodyStudy, source: str) -> Campaign:
+def _of_a_body(campaign: Campaign, study: Study, source: str) -> Campaign:
     """The campaign of a body, whose runs in time are linear; refused where it varies what a body does not have."""
     keys, mesh = campaign.vary.keys, study.body.file is not None
     if SCALE in keys:
@@ -294,7 +289,7 @@ class LoadedCampaign(Section):
 
     campaign: Campaign
     source: str
-    base: AnyStudy
+    base: Study
     climate_path: str
     climate_id: str
     floats_by: dict[str, float]  # mass or draft as the study gives it; neither: half immersion
@@ -310,7 +305,7 @@ class LoadedCampaign(Section):
         """Budget of the optima within limits, if they are asked for."""
         return (self.campaign.constrained or Constrained()) if "constrained" in self.tuning else None
 
-    def check_take_off(self, study: AnyStudy, where: str) -> None:
+    def check_take_off(self, study: Study, where: str) -> None:
         """Check that a nonlinear take-off is not judged by linear theory alone, which does not see it.
 
         And that its power after conversion is known. Raises `ConfigError`.
@@ -369,11 +364,11 @@ def check_conversion(pto: Pto, where: str, tunings: Sequence[str]) -> None:
         )
 
 
-def sections(study: AnyStudy) -> dict[str, Any]:
+def sections(study: Study) -> dict[str, Any]:
     """Return what a year depends on of a study: linear, its waves, its run in time and its name left out."""
     found: dict[str, Any] = study.model_dump(exclude={"study", "waves", "simulation", "published"})
-    if isinstance(study, Study):
-        found["hydro"] |= {"model": "linear", "power_tolerance": None}
+    linear = {"model": "linear", "power_tolerance": None}
+    found["hydro"] = {key: linear.get(key, value) for key, value in found["hydro"].items()}
     return {key: value for key, value in found.items() if value is not None}
 
 
@@ -383,13 +378,6 @@ def where_of(point: Point) -> str:
 
 
 def study_at(base: Mapping[str, Any], point: Point) -> Study:
-    """Return the study of a buoy with values of a point; see `any_study_at`."""
-    study = any_study_at(base, point)
-    assert isinstance(study, Study)
-    return study
-
-
-def any_study_at(base: Mapping[str, Any], point: Point) -> AnyStudy:
     """Return a study with values of a point: scaled first, then each key set; linear, in no sea of its own.
 
     Raises `ConfigError` if it has no such key, or no study has such a value.
@@ -403,8 +391,8 @@ def any_study_at(base: Mapping[str, Any], point: Point) -> AnyStudy:
             raw = _with(raw, key.split("."), value, key)
     if isinstance(file := raw.get("body", {}).get("file"), dict):
         raw["water"] = file["water"]
-    study, _ = _located({"study": "member", "waves": [{"kind": "still"}], **raw}, where)
-    if study.buoy and study.buoy.motion == "free":
+    study, _ = read_study({"study": "member", "waves": [{"kind": "still"}], **raw}, where)
+    if study.THING == "buoy" and study.motion == "free":
         raise ConfigError(
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )

@@ -21,7 +21,7 @@ from vsb.keys.reading import nearest, read_yaml, validated
 from vsb.keys.schema import Located, range_at, schema_of
 from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, sizes_hull, study_at
 from vsb.study.feasible import Ranges, Unmet
-from vsb.study.study import Study, not_reserved
+from vsb.study.study import BuoyStudy, Study, not_reserved
 from vsb.study.study import load as load_study
 from vsb.tools.files import sha256_of
 from vsb.tools.variables import FORCE, PortKind
@@ -205,7 +205,7 @@ def _variable(key: str, given: object) -> Variable:
     except (TypeError, ValueError):
         raise ValueError(f"{key}: received {given!r}, needs {_FORMS}") from None
     place = "pto.port.colatitude" if ANGLE.fullmatch(key) else key
-    least, most = (-math.inf, math.inf) if TERM.fullmatch(key) else range_at(schema_of(Study), place.split("."))
+    least, most = (-math.inf, math.inf) if TERM.fullmatch(key) else range_at(schema_of(BuoyStudy), place.split("."))
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{key}: received {given!r}, needs finite bounds")
     if not high - low > NARROWEST * max(abs(low), abs(high)):

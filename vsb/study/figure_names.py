@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from vsb.engine.motion.take_off import port_kind
 from vsb.study.resolution import no_witness
 from vsb.study.specs import CampaignSpec, DesignSpec
-from vsb.study.study import BaseStudy, Study
+from vsb.study.study import Study
 from vsb.tools.variables import MEMBRANE, SEVERAL
 
 FIGURE_KINDS = ("svg", "csv")
@@ -30,9 +30,9 @@ def paths(folder: str, names: Iterable[str]) -> list[str]:
     return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
-def of_study(study: BaseStudy) -> list[str]:
+def of_study(study: Study) -> list[str]:
     """Return the names of the figures of a study."""
-    if not isinstance(study, Study):
+    if study.THING == "body":
         spectra = ["spectra"] if study.has_spectra else []
         return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_of_knowledge(study), *_in_seas(study, OF_A_BODY)]
     names = ["mode_shapes"]
@@ -51,14 +51,14 @@ def of_study(study: BaseStudy) -> list[str]:
     return [*names, *_in_seas(study, per_wave)]
 
 
-def _of_knowledge(study: BaseStudy) -> list[str]:
+def _of_knowledge(study: Study) -> list[str]:
     """Names of figures of causal control, of each irregular sea; with one port, and without drag."""
     if not study.needs_bem or study.pto.several or study.plates:
         return []
     return [f"forecast-{wave.label}" for wave in study.drawn_waves if wave.irregular]
 
 
-def _in_seas(study: BaseStudy, names: Iterable[str]) -> list[str]:
+def _in_seas(study: Study, names: Iterable[str]) -> list[str]:
     """Names of figures that there are of each sea."""
     kinds = tuple(names)
     return [f"{name}-{wave.label}" for wave in study.drawn_waves for name in kinds]

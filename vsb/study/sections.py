@@ -58,7 +58,7 @@ class Modes(Section):
         Raises
         ------
         ConfigError
-            If it is to follow from the tolerance, as in `vsb.pipeline.plans.with_degree`.
+            If it is to follow from the tolerance, as a plan `with_degree` has it.
         """
         if self.degree is None:
             raise ConfigError(

@@ -13,10 +13,9 @@ from vsb.engine.shell.device import Basis, Shape
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Name, Section
-from vsb.study.body import AnyStudy, Body, BodyStudy
+from vsb.study.body import Body
 from vsb.study.campaign import CAUSAL, ClimateFile, Constrained, Tunings, Verify
 from vsb.study.design import CONTROLLED, LEAST_STROKE, DesignTuning, Fatigue, Objective, Variable
-from vsb.study.sections import Hydro
 from vsb.study.study import Study
 from vsb.study.vary import Vary
 
@@ -40,15 +39,11 @@ def spec_of(tag: str, **reads: Any) -> dict[str, Any]:
 
 def _read_study(value: Any) -> Any:
     """What a stage reads of a study, from its JSON."""
-    if not isinstance(value, Mapping):
-        return value
-    return Study.part(value, hydro=Hydro) if "device" in value else BodyStudy.part(value)
+    return Study.part(value) if isinstance(value, Mapping) else value
 
 
-AnyPart = Annotated[SerializeAsAny[AnyStudy], PlainValidator(_read_study)]
+StudyPart = Annotated[SerializeAsAny[Study], PlainValidator(_read_study)]
 """Of a study what a stage reads, and nothing else (`Section.only`)."""
-BuoyPart = Annotated[SerializeAsAny[Study], PlainValidator(_read_study)]
-"""The same of a buoy's."""
 
 
 class Sphere(Section):
@@ -137,7 +132,7 @@ class BodySource(Section):
 class Run(Section):
     """One design in one sea; `seas` are those its damper is tuned to, where one damper serves all seas."""
 
-    study: AnyPart
+    study: StudyPart
     seas: tuple[Wave, ...] = ()
 
 
@@ -147,7 +142,7 @@ class MemberSpec(Section):
     `sweep` are the coefficients by id: blocks of a buoy's shape, or the database of a body.
     """
 
-    study: AnyPart
+    study: StudyPart
     sweep: tuple[str, ...]
     climate: ClimateFile
     tuning: tuple[Tunings, ...]

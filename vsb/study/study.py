@@ -5,13 +5,13 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import contextlib
 import math
-from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, cast
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Discriminator, Field, GetCoreSchemaHandler, Tag, field_validator, model_validator
+from pydantic_core import CoreSchema
 
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, Simulation
 from vsb.engine.motion.take_off import Pto, SeveralPorts, Tuning, port_kind
@@ -75,20 +75,62 @@ def first_rigid(designs: Mapping[str, Any]) -> str | None:
     return next((name for name, design in sorted(designs.items()) if not design.flexible), None)
 
 
-class BaseStudy(Section):
-    """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
+class Study(Section):
+    """Designs compared in seas: of a buoy where there is a `device`, of any other body where there is a `body`.
 
+    Two kinds of it declare the keys of their files and answer what differs; `Study` makes the one that keys are of.
+    Reading what its kind does not have raises `AttributeError`.
+    """
+
+    KINDS: ClassVar[dict[str, type["Study"]]] = {}  # by what floats; that of a body is `vsb.study.body`
+    THING: ClassVar[Literal["buoy", "body"]]  # that floats
     FLOATS: ClassVar[tuple[str, ...]] = ()  # keys of what floats, beside designs and take-off; none of a body
+    LIMIT: ClassVar[str]  # of the power absorbed, in words; empty where none is known
     if TYPE_CHECKING:
         study: str
+        device: Device
+        body: Any
+        motion: Motion
+        modes: Modes
+        reference_shape: RestShape
+        mooring: Mooring | None
         water: Water
         pto: Pto
         waves: tuple[Wave, ...]
         simulation: Simulation
-        hydro: Any  # of a buoy or of a body
+        hydro: Any
         published: Published | None
         designs: Mapping[str, Any]  # each knows whether it is flexible
-        drag: Drag | Mapping[str, Plate] | None
+        drag: Any
+
+        def __init__(self, **keys: Any) -> None: ...
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Know a kind by what floats in it."""
+        super().__pydantic_init_subclass__(**_)
+        cls.KINDS[cls.THING] = cls
+
+    @classmethod
+    def kind_of(cls, raw: object) -> "type[Study]":
+        """Return the kind of study that keys of a file are of."""
+        return cls.KINDS["body" if isinstance(raw, Mapping) and "body" in raw else "buoy"] if cls is Study else cls
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Read either kind where a study is asked for."""
+        if cls is not Study:
+            return handler(source)
+        either: Any = Union[tuple(Annotated[kind, Tag(name)] for name, kind in cls.KINDS.items())]  # noqa: UP007
+        tag = Discriminator(lambda value: (type(value) if isinstance(value, Study) else cls.kind_of(value)).THING)
+        return handler.generate_schema(Annotated[either, tag])
+
+    @classmethod
+    def part(cls, raw: Mapping[str, Any], **within: type[Section]) -> Self:
+        """Return what a stage reads of a study, from its JSON: of a body its database holds what floats."""
+        kind = cls.KINDS["buoy" if "device" in raw else "body"] if cls is Study else cls
+        hydro = cast(type[Section], kind.model_fields["hydro"].annotation)
+        return cast(Self, super(Study, kind).part(raw, hydro=hydro, **within))
 
     @property
     def flexible(self) -> bool:
@@ -101,14 +143,24 @@ class BaseStudy(Section):
         return first_rigid(self.designs)
 
     @property
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
-        return self.drag.plates if isinstance(self.drag, Drag) else self.drag or {}
+    def has_shell(self) -> bool:
+        """Whether any design has a shell that deforms; those of a body are of its database."""
+        return False
+
+    @property
+    def dofs(self) -> tuple[str, ...] | None:
+        """Degrees of freedom of a body that designs move in; none if some design moves in all."""
+        return None
 
     @property
     def radius(self) -> float | None:
         """Radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
         return None
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag.plates if isinstance(self.drag, Drag) else self.drag or {}
 
     _study_not_reserved = field_validator("study", check_fields=False)(not_reserved)
 
@@ -211,28 +263,23 @@ class BaseStudy(Section):
         return True
 
     @property
-    @abstractmethod
-    def buoy(self) -> "Study | None":
-        """The study itself if a buoy floats; None if a body does."""
-
-    @property
     def band(self) -> tuple[float, float] | None:
         """Frequencies a sea may have components at [rad/s]; None where the database decides."""
         return None
 
     @property
-    @abstractmethod
     def uses_panels(self) -> bool:
         """Whether coefficients are solved on panels, which takes minutes."""
+        raise NotImplementedError
 
     @property
-    @abstractmethod
     def directions(self) -> tuple[float, ...]:
         """Directions of its waves [degrees]; none where direction does not matter."""
+        raise NotImplementedError
 
-    @abstractmethod
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]."""
+        raise NotImplementedError
 
     def tuning(self, wave: Wave) -> Tuning:
         """Return how the damping of a run is found; still water has no optimum, there it is the given one."""
@@ -264,6 +311,81 @@ class BaseStudy(Section):
         """Whether any of the seas is irregular."""
         return any(wave.irregular for wave in self.waves)
 
+    # of a buoy ------------------------------------------------------------------------------------------------------
+
+    def check_record(self) -> None:
+        """Check that every run is short enough to be recorded, and the window long enough to see the motion.
+
+        Raises
+        ------
+        ConfigError
+        """
+        (start, end), duration = self.simulation.window, self.simulation.duration
+        convolved = self.simulation.method == "convolution"
+        most, reason = MOST_INSTANTS, "it must be recorded"
+        if convolved:
+            most, reason = MOST_CONVOLVED, "a convolution needs all of its past at every instant"
+        for i, wave in enumerate(self.waves):
+            period = 2 * math.pi / self.fastest(wave)
+            if RECORDS_PER_PERIOD * duration > most * period:
+                raise ConfigError(
+                    f"simulation.duration: received {duration:g} s, needs at most "
+                    f"{most / RECORDS_PER_PERIOD * period:.4g} s in waves.{i} {wave.label}, whose fastest motion takes "
+                    f"{period:.3g} s, because {reason}"
+                )
+            slowest = 2 * math.pi / (self.heave_frequency if wave.still else wave.omega)
+            if end - start < LEAST_WINDOW * slowest:
+                raise ConfigError(
+                    f"simulation.window: received {list(self.simulation.window)} s, needs to be at least "
+                    f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
+                    f"{slowest:.4g} s"
+                )
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the sphere's centre above still water at rest [m]."""
+        return centre_height(self.device, self.water)
+
+    @property
+    def draft(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return keel_depth(self.device, self.centre_height)
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
+        return self.has_shell and self.reference_shape == "equilibrium"
+
+    @property
+    def opens_chamber(self) -> bool:
+        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
+        return self.pto.port == "volume" and self.device.gas is not None
+
+    @property
+    def rests_deformed(self) -> bool:
+        """Whether the wetted shape at rest is not that of the device."""
+        return self.has_shell and self.reference_shape != "undeformed"
+
+    def with_degree(self, degree: int) -> Self:
+        """Return the same with shell modes up to a degree."""
+        return self.model_copy(update={"modes": self.modes.model_copy(update={"degree": degree})})
+
+    @property
+    def waterline_radius(self) -> float:
+        """Radius of the undeformed buoy at still water [m]."""
+        return waterline_radius(self.device.shape, self.device.radius, self.centre_height)
+
+    @property
+    def heave_frequency(self) -> float:
+        """Natural frequency of heave without the water's inertia, sqrt(rho g pi r_w^2/m) [rad/s]."""
+        weight = self.water.density * self.water.gravity
+        return math.sqrt(weight * math.pi * self.waterline_radius**2 / self.device.mass)
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
+        return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
+
 
 def check_all(*checks: Callable[[], None]) -> None:
     """Make all checks; `ValueError` with every mistake found, a line each."""
@@ -290,9 +412,11 @@ CHECKS = (
 """Names of the checks on a hydro database, as `hydro.quality` gives them; a study may accept their failures."""
 
 
-class Study(BaseStudy):
+class BuoyStudy(Study):
     """One study file."""
 
+    model_config = ConfigDict(title="Study")
+    THING, LIMIT = "buoy", "λ/2π"
     FLOATS = ("device", "motion", "mooring", "modes", "reference_shape")
     study: Name
     motion: Motion = "heave"
@@ -470,63 +594,15 @@ class Study(BaseStudy):
             check_followed(model, method, pto)
         check_directions(self)
 
-    def check_record(self) -> None:
-        """Check that every run is short enough to be recorded, and the window long enough to see the motion.
-
-        Raises
-        ------
-        ConfigError
-        """
-        (start, end), duration = self.simulation.window, self.simulation.duration
-        convolved = self.simulation.method == "convolution"
-        most, reason = MOST_INSTANTS, "it must be recorded"
-        if convolved:
-            most, reason = MOST_CONVOLVED, "a convolution needs all of its past at every instant"
-        for i, wave in enumerate(self.waves):
-            period = 2 * math.pi / self.fastest(wave)
-            if RECORDS_PER_PERIOD * duration > most * period:
-                raise ConfigError(
-                    f"simulation.duration: received {duration:g} s, needs at most "
-                    f"{most / RECORDS_PER_PERIOD * period:.4g} s in waves.{i} {wave.label}, whose fastest motion takes "
-                    f"{period:.3g} s, because {reason}"
-                )
-            slowest = 2 * math.pi / (self.heave_frequency if wave.still else wave.omega)
-            if end - start < LEAST_WINDOW * slowest:
-                raise ConfigError(
-                    f"simulation.window: received {list(self.simulation.window)} s, needs to be at least "
-                    f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
-                    f"{slowest:.4g} s"
-                )
-
     @property
     def radius(self) -> float:
         """Radius of the buoy [m]."""
         return self.device.radius
 
     @property
-    def centre_height(self) -> float:
-        """Height of the sphere's centre above still water at rest [m]."""
-        return centre_height(self.device, self.water)
-
-    @property
-    def draft(self) -> float:
-        """Depth of the keel below still water [m]."""
-        return keel_depth(self.device, self.centre_height)
-
-    @property
-    def at_equilibrium(self) -> bool:
-        """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
-        return self.flexible and self.reference_shape == "equilibrium"
-
-    @property
-    def opens_chamber(self) -> bool:
-        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
-        return self.device.gas is not None and self.pto.port == "volume"
-
-    @property
-    def buoy(self) -> "Study":
-        """The study itself."""
-        return self
+    def has_shell(self) -> bool:
+        """Whether any design has a shell that deforms."""
+        return self.flexible
 
     @property
     def band(self) -> tuple[float, float]:
@@ -544,17 +620,6 @@ class Study(BaseStudy):
         solver, panels = self.hydro.solver, self.hydro.rows is not None or self.water.depth < CLEARANCE * self.draft
         return self.needs_bem and (solver == "panels" or (solver == "auto" and panels))
 
-    @property
-    def waterline_radius(self) -> float:
-        """Radius of the undeformed buoy at still water [m]."""
-        return waterline_radius(self.device.shape, self.device.radius, self.centre_height)
-
-    @property
-    def heave_frequency(self) -> float:
-        """Natural frequency of heave without the water's inertia, sqrt(rho g pi r_w^2/m) [rad/s]."""
-        weight = self.water.density * self.water.gravity
-        return math.sqrt(weight * math.pi * self.waterline_radius**2 / self.device.mass)
-
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]; in still water that of heave."""
         if wave.still:
@@ -562,20 +627,10 @@ class Study(BaseStudy):
         return min(wave.fastest, self.hydro.omega_max) if self.needs_bem else max(wave.omega, self.heave_frequency)
 
     @property
-    def orders(self) -> tuple[int, ...]:
-        """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
-        return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
-
-    @property
     def directions(self) -> tuple[float, ...]:
         """Directions its waves go to [degrees]; none where all go along x, as those a buoy that heaves knows."""
         going = dict.fromkeys(one for wave in self.waves for one in wave.directions)
         return tuple(going) if any(going) else ()
-
-    @property
-    def rests_deformed(self) -> bool:
-        """Whether the wetted shape at rest is not that of the device."""
-        return self.flexible and self.reference_shape != "undeformed"
 
 
 def load(path: str | Path) -> Study:
@@ -600,7 +655,7 @@ def parse(raw: object, source: str = "study") -> Study:
         raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
     raw = with_files(with_points(raw, source), source)
     try:
-        return validated(Study, raw, source)
+        return validated(BuoyStudy, raw, source)
     except OverflowError:
         raise ConfigError(
             f"{source}: device or water: a number is too large to compute with; check the units (SI)"
@@ -610,10 +665,10 @@ def parse(raw: object, source: str = "study") -> Study:
 # numbers that are likely in another unit ------------------------------------------------------------------------------
 
 
-def unlikely_units(study: BaseStudy) -> list[str]:
+def unlikely_units(study: Study) -> list[str]:
     """Return a line for every number outside its usual range that is within in another unit; of a body none."""
     lines = []
-    for key, value, unit, least, most in _ranges(study) if isinstance(study, Study) else ():
+    for key, value, unit, least, most in _ranges(study) if study.THING == "buoy" else ():
         size = abs(value)
         if size == 0 or math.isinf(size) or least <= size <= most:
             continue
@@ -648,7 +703,7 @@ def _ranges(study: Study) -> Iterator[tuple[str, float, str, float, float]]:
 
 
 @contextlib.contextmanager
-def units_doubted(study: BaseStudy) -> Iterator[None]:
+def units_doubted(study: Study) -> Iterator[None]:
     """Put before a `ConfigError` raised inside the units that may be its cause."""
     try:
         yield
