@@ -310,7 +310,6 @@ def matched_losses(study: Study, periods: FloatArray) -> FloatArray:
     raw, water = raw_of(study), study.water
     waves = parse({**raw, "waves": [regular(period, 1.0) for period in periods.tolist()]}).waves
     buoy = StudyPlan(study).ladder.spec["study"]
-    assert buoy is not None
     found = ModeConvergence(buoy, [wave.realisation(study.hydro.omega_max, 0.0) for wave in waves])
     at = list(study.designs).index(FLEXIBLE), slice(None), TAKE_OFFS.index("matched")
     powers = np.array([found.powers(Modes(basis="full", degree=degree))[at] for degree in (FEWER, CONVERGED)])

@@ -56,7 +56,6 @@ def rows_of(shell: str) -> Iterator[tuple[object, ...]]:
         study = planar(*SHELLS[shell], port)
         water, seas = study.water, [wave.realisation(study.hydro.omega_max, 0.0) for wave in study.waves]
         buoy = StudyPlan(study).ladder.spec["study"]
-        assert buoy is not None
         found = ModeConvergence(buoy, seas)
         rigid, free = found.compared[-1][:, :, 1]
         beyond = 100 * np.ptp(found.compared, axis=0)[1, :, 1] / rigid

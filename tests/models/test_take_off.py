@@ -374,7 +374,7 @@ def test_wave_velocity_at_finite_depth(towards):
     """w cosh k(z + d)/sinh kd along the wave, -i w sinh k(z + d)/sinh kd upwards, no rotation."""
     plate, vane = {"coefficient": 1.0, "area": 1.0}, {"coefficient": 1.0, "area": 1.0, "lever": 2.0}
     drag = Drag(surge=plate, sway=plate, heave=plate, roll=vane, pitch=vane, yaw=vane)
-    run = SimpleNamespace(plates=drag.plates, water=Water(depth=10.0, gravity=9.6), draft=3.0)
+    run = SimpleNamespace(KIND="buoy", plates=drag.plates, water=Water(depth=10.0, gravity=9.6), draft=3.0)
     omega = np.array([0.7, 1.9])
     k = np.array([wavenumber(w, 10.0, 9.6) for w in omega])
     along = omega * np.cosh(k * 8.5) / np.sinh(k * 10.0)

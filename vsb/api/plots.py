@@ -158,7 +158,7 @@ class StudyPlots:
         run, (first, end) = results.trajectory(design, wave), results.study.simulation.window
         period = results.period(wave)
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
-        seen = (self._hull if results.study.THING == "body" else self._meridian)(run.interp(time=time), wave, magnify)
+        seen = (self._hull if results.study.KIND == "body" else self._meridian)(run.interp(time=time), wave, magnify)
         figure, axes = plt.subplots()
         (hull,) = axes.plot([], [], **self.style(design))
         (water,) = axes.plot([], [], color="#0072B2", linewidth=1)

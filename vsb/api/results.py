@@ -420,7 +420,7 @@ class Results:
         """Rows as a table with units, those of the take-off as its port has them."""
         found, port = pd.DataFrame(rows), port_kind(self.study.pto.port)
         units = UNITS | {"damping": port.damping_unit, "stiffness": port.stiffness_unit}
-        if self.study.THING == "body":  # columns are of the port's motion
+        if self.study.KIND == "body":  # columns are of the port's motion
             units |= {"displacement_pp": port.motion_unit, "velocity_pp": port.rate_unit}
         units |= {"best_damping": port.damping_unit, "best_power": "W", "power": "W"}
         units |= {"force_rms": port.load_unit, "force_peak": port.load_unit, "stroke_peak": port.motion_unit}

@@ -31,7 +31,6 @@ from vsb.models.floating_system import (
     FloatingSystem,
     expected_sea,
     floating_system,
-    heading,
     heading_in,
     held_rows,
     study_sea,
@@ -265,7 +264,7 @@ def windowed_power(system: System, sea: Sea, settings: Simulation) -> float:
 
 
 class Memory(NamedTuple):
-    """The radiation memory of a body."""
+    """The radiation memory of what floats."""
 
     model: RadiationModel
     added_mass_inf: FloatArray  # it was fitted with (dof, dof) [kg]
@@ -298,17 +297,22 @@ def design_in_sea(run: Run, paths: dict[str, Any]) -> DesignInSea:
     paths : mapping of option to path
         `database` and `radiation`, where the model has them.
     """
-    return SCENES["body" if run.study.THING == "body" else run.study.hydro.model](run, paths)
+    return SCENES["linear" if run.study.KIND == "body" else run.study.hydro.model](run, paths)
 
 
-def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
-    """Return a radiation model as it was stored, over labelled degrees of freedom; others radiate nothing."""
-    ds = load(path, expected=Path(path).stem).reindex(radiating_dof=list(labels), fill_value=0)
-    return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+def stored_memory(path: str, linear: LinearSystem) -> Memory:
+    """Return the radiation memory of what floats as it was stored; degrees of freedom it does not have radiate nothing.
+
+    That of a body has an added mass at infinite frequency of its own.
+    """
+    ds = load(path, expected=Path(path).stem).reindex(radiating_dof=list(linear.labels), fill_value=0)
+    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    fitted = ds.added_mass_inf.values if "added_mass_inf" in ds else linear.added_mass_inf
+    return Memory(model, fitted, float(ds.attrs.get("up_to", np.inf)))
 
 
 def linear_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
-    """Return the scene of linear hydrodynamics about the mean shape."""
+    """Return the scene of linear hydrodynamics about the mean shape, or of a body about its rest."""
     at = _from_bem(run, paths)
     scene, notes = _tuned_in_time(_linear(run, at), run, at)
     return at.with_scene(with_drag(scene, run.study, run.study.waves[0], at.sea), notes, {"model": "linear"})
@@ -317,9 +321,10 @@ def linear_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
 def body_exact_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(run, paths)
-    rubber = rubber_shell(run.study, at.shape.basis)
-    scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions, rubber)
-    scene, notes = _tuned_in_time(with_take_off(scene, run.study.pto, at.buoy.pto), run, at)
+    shape = at.floating.shell
+    rubber = rubber_shell(run.study, shape.basis)
+    scene = body_exact_scene(at.linear, shape, at.memory.model, at.sea, at.motions, rubber)
+    scene, notes = _tuned_in_time(with_take_off(scene, run.study.pto, at.linear.pto), run, at)
     return at.with_scene(with_drag(scene, run.study, run.study.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
@@ -327,10 +332,10 @@ def automatic_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the run."""
     begun = clock.perf_counter()
     at = _from_bem(run, paths)
-    (design,), buoy = run.study.designs, run.study
-    ladder = automatic.motion_ladder(buoy, at.shape.basis, design)
-    rubber = rubber_shell(buoy, at.shape.basis)
-    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.study.simulation, rubber)
+    (design,), buoy, shape = run.study.designs, run.study, at.floating.shell
+    ladder = automatic.motion_ladder(buoy, shape.basis, design)
+    rubber = rubber_shell(buoy, shape.basis)
+    scenes = automatic.Scenes(at.linear, shape, at.memory.model, at.sea, ladder, run.study.simulation, rubber)
     choice = automatic.chosen(scenes, buoy.hydro.power_tolerance or POWER_TOLERANCE)
     return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 
@@ -338,13 +343,12 @@ def automatic_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
 class _FromBem(NamedTuple):
     """What a scene with BEM is made of."""
 
-    buoy: LinearSystem  # with the take-off of the run
-    shape: DeformedShell  # reference shape
-    radiation: RadiationModel
+    linear: LinearSystem  # with the take-off of the run
+    memory: Memory
     sea: Sea
     motions: FloatArray  # of the design; of a linear model reduced ones (`vsb.engine.motion.reduced`)
     notes: dict[str, Any]  # of the take-off
-    held: FloatArray  # clamps of the design (constraint, dof)
+    held: FloatArray  # combinations of degrees of freedom held at zero, Phi q = 0 (constraint, dof)
     orders: Sequence[OrderBasis]  # beside heave and axisymmetric modes
     floating: FloatingSystem
     spectral: tuple[Wave, Sea]  # the wave and the sea powers are expected in
@@ -352,12 +356,15 @@ class _FromBem(NamedTuple):
     def with_scene(self, scene: Scene, *notes: dict[str, Any]) -> DesignInSea:
         """The design in its sea by a scene."""
         said = {key: value for note in (self.notes, *notes) for key, value in note.items()}
-        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said, self.held, self.orders)
+        shape, port = self.floating.shape, self.floating.port
+        spectrum = self.linear.spectrum
+        return DesignInSea(scene, shape, self.sea, spectrum, said, self.held, self.orders, None if shape else port)
 
 
 def _linear(run: Run, at: _FromBem) -> Scene:
     """The linear scene with the take-off of a run."""
-    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), run.study.pto, at.buoy.pto)
+    scene = linear_scene(at.linear, at.memory.model, at.sea, at.motions, at.memory.added_mass_inf)
+    return with_take_off(scene, run.study.pto, at.linear.pto)
 
 
 def _tuned_in_time(scene: Scene, run: Run, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
@@ -371,7 +378,7 @@ def _tuned_in_time(scene: Scene, run: Run, at: _FromBem) -> tuple[Scene, dict[st
         return controlled(scene, at.floating, design, run.study.pto, *at.spectral)
     if not (run.study.pto.has_latching_time and scene.law):  # or nothing there moves
         return scene, {}
-    damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
+    damper, best, notes = _latched(_linear(run, at), run, at.sea, at.linear, at.motions)
     if scene.water is not None and at.sea.omega.size:
         notes |= {"linear_latching_time": best.time, "latching_time_searched": NEAR * longest_time(at.sea)}
         latched = with_latching_time(scene, best.time, damper)
@@ -407,18 +414,22 @@ def _from_bem(run: Run, paths: dict[str, Any]) -> _FromBem:
     system = run.study
     (design,), (wave,) = system.designs, system.waves
     floating = floating_system(system, paths["database"])
-    model = radiation_model(paths["radiation"], floating.linear.labels)
-    shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
-    orders = order_bases(system, shape.basis)
-    waves, spectral = study_sea(system, wave, ds), expected_sea(system, wave, ds)
-    others = [(w, expected_sea(system, w, ds)) for w in run.seas]
+    linear, motions = floating.linear, floating.motions[design]
+    memory = stored_memory(paths["radiation"], linear)
+    waves, spectral = study_sea(system, wave, linear.database), expected_sea(system, wave, linear.database)
+    check_followed(memory, waves, wave.label)
+    others = [(w, expected_sea(system, w, linear.database)) for w in run.seas]
     port = partial(dragged_port, system) if system.plates else None
     pto = tuned_take_off(run.study.pto, design, floating, others or [(wave, spectral)], port)
     notes = tuned_notes(run.study.pto, pto)
     notes |= linearised(system, floating, design, pto, wave, spectral)
-    buoy = replace(floating.towards(heading_in(wave, waves)), pto=pto)
+    equipped = replace(floating.towards(heading_in(wave, waves)), pto=pto)
+    if (shape := floating.shape) is None:
+        held = held_rows(system.designs[design], linear.labels)
+        return _FromBem(equipped, memory, waves, motions, notes, held, (), floating, (wave, spectral))
+    orders = order_bases(system, shape.basis)
     if system.hydro.model == "linear":
-        linear, loaded = floating.linear, floating.port.reshape(len(motions), -1)
+        loaded = floating.port.reshape(len(motions), -1)
         if system.plates:
             loaded = np.column_stack([loaded, dragged(system.plates, linear.labels).T])
         heave = unit_heave(linear.labels, linear.mass + linear.added_mass_inf, motions)
@@ -427,7 +438,7 @@ def _from_bem(run: Run, paths: dict[str, Any]) -> _FromBem:
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     if not orders:
         held = np.concatenate([held, mooring_rows(system, shape.basis)])
-    return _FromBem(buoy, shape, model, waves, motions, notes, held, orders, floating, (wave, spectral))
+    return _FromBem(equipped, memory, waves, motions, notes, held, orders, floating, (wave, spectral))
 
 
 def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:
@@ -437,35 +448,6 @@ def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:
     if isinstance(pto.port, SeveralPorts):
         return {TUNED_MATRIX: np.asarray(linear.damping).ravel().tolist()}
     return {TUNED: float(np.asarray(linear.damping).ravel()[0])}
-
-
-def body_design(run: Run, paths: dict[str, Any]) -> DesignInSea:
-    """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
-    system = run.study
-    (design,), (wave,) = system.designs, system.waves
-    floating = floating_system(system, paths["database"])
-    body = floating.linear
-    waves = study_sea(system, wave, body.database)
-    tuned_in = [(one, expected_sea(system, one, body.database)) for one in run.seas or (wave,)]
-    dragged = partial(dragged_port, system) if system.plates else None
-    pto = tuned_take_off(run.study.pto, design, floating, tuned_in, dragged)
-    notes = {"model": "linear"} | tuned_notes(run.study.pto, pto)
-    notes |= linearised(system, floating, design, pto, wave, expected_sea(system, wave, body.database))
-    motions = floating.motions[design]
-    equipped = replace(floating.towards(heading(wave)), pto=pto)
-    memory = body_memory(paths["radiation"])
-    check_followed(memory, waves, wave.label)
-    scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)
-    scene = with_drag(with_take_off(scene, run.study.pto, pto), system, wave, waves)
-    if run.study.pto.has_latching_time and scene.law:
-        damper, best, tuned = _latched(scene, run, waves, equipped, motions)
-        scene = with_latching_time(scene, best.time, damper)
-        notes |= tuned | _noted(best)
-    if run.study.pto.law == "causal" and scene.law:
-        scene, own = controlled(scene, floating, design, run.study.pto, wave, expected_sea(system, wave, body.database))
-        notes |= own
-    held = held_rows(system.designs[design], scene.labels)
-    return DesignInSea(scene, None, waves, body.spectrum, notes, held, port=floating.port)
 
 
 def check_followed(memory: Memory, waves: Sea, label: str) -> None:
@@ -481,13 +463,6 @@ def check_followed(memory: Memory, waves: Sea, label: str) -> None:
             f"the variance of {label} lies above; needs coefficients without irregular frequencies there (smaller "
             "panels, smaller steps of frequency), or longer waves"
         )
-
-
-def body_memory(path: str) -> Memory:
-    """Return the radiation memory of a body as it was stored, with its added mass at infinite frequency."""
-    ds = load(path, expected=Path(path).stem)
-    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-    return Memory(model, ds.added_mass_inf.values, float(ds.attrs.get("up_to", np.inf)))
 
 
 def assumed_pressure_design(run: Run, _: dict[str, Any]) -> DesignInSea:
@@ -509,6 +484,5 @@ SCENES = {
     "body_exact": body_exact_design,
     "assumed_pressure": assumed_pressure_design,
     "auto": automatic_design,
-    "body": body_design,
 }
-"""Hydrodynamic model of a buoy, or a body -> the scene of one design in one sea."""
+"""Hydrodynamic model -> the scene of one design in one sea."""

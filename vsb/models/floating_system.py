@@ -198,7 +198,7 @@ def floating_system(study: Study, database_path: str, highest: int = HIGHEST) ->
 
     Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`.
     """
-    if study.THING == "body":
+    if study.KIND == "body":
         return floating_body(study, stored_body(database_path))
     # the buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it
     ds = database.load_database(database_path, Path(database_path).stem)

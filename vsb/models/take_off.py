@@ -221,7 +221,7 @@ def flow(run: Study, omega: FloatArray, direction: float) -> ComplexArray:
     Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations
     there is none. A body is dragged through still water, as WEC-Sim's `quadDrag` has it.
     """
-    if run.THING == "body":
+    if run.KIND == "body":
         return np.zeros((len(omega), len(run.plates)), dtype=complex)
     water, height, towards = run.water, -0.5 * run.draft, np.deg2rad(direction)
     along = horizontal_velocity(omega, height, water.depth, water.gravity)

@@ -70,6 +70,8 @@ STAGES = {
     "design_report": Stage("design_results", "design_results", "report", "design_results"),
 }
 """Stages in the order of the chain; the radiation memory of a body is made with its database."""
+MEMORY = {"tolerance", "added_mass_inf"}
+"""Keys of `hydro` that the radiation memory follows from; the second a body has alone."""
 ID = "{id}"
 """Stands for the id of a task in the name of its file."""
 
@@ -306,7 +308,7 @@ class ResultsPlan(Graph):
     @cached_property
     def radiation(self) -> Task:
         """The radiation memory of the hydro database."""
-        given = self.study.hydro.model_dump(include={"tolerance", "added_mass_inf"})
+        given = self.study.hydro.model_dump(include=MEMORY)
         read, out = {"database": self.database}, radiation_path(self.root, ID)
         return Task.of(
             "radiation", given, out, read, stamps=(self.database,),

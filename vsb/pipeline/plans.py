@@ -68,7 +68,7 @@ BATCH_SECONDS = 8.0
 
 def _shared(one: "Member") -> tuple[Any, ...]:
     """What members may share: coefficients of a shape, a take-off, and shapes and buckling of a thickness."""
-    return one.spec.sweep, canonical(one.study.pto), one.study.device.thickness if one.study.THING == "buoy" else 0.0
+    return one.spec.sweep, canonical(one.study.pto), one.study.device.thickness if one.study.KIND == "buoy" else 0.0
 
 
 @contextmanager
@@ -143,7 +143,7 @@ def _coefficients(study: Study) -> tuple[str, ...]:
 
 def _shape(study: Study) -> Hashable:
     """All that coefficients depend on: of an undeformed shell neither its material nor its clamps."""
-    if study.THING == "body":
+    if study.KIND == "body":
         return canonical([study.body, study.dofs, study.hydro])
     device = study.device
     of_shell: Hashable = study.modes.max_degree if study.flexible else None
@@ -176,7 +176,7 @@ class CampaignPlan(Graph):
     def with_degree(self) -> Self:
         """Return a plan whose shell modes have a degree, the largest of those that its points need."""
         base = self.loaded.base
-        if base.THING == "body" or base.modes.degree is not None or (degree := self.degree_needed) is None:
+        if base.KIND == "body" or base.modes.degree is not None or (degree := self.degree_needed) is None:
             return self
         studies = tuple(one.with_degree(degree) for one in self.studies)
         return replace(self, loaded=self.loaded.model_copy(update={"base": base.with_degree(degree)}), read=studies)
@@ -273,7 +273,7 @@ class CampaignPlan(Graph):
     def _seconds(self, some: Sequence[Member]) -> float:
         """CPU time of members [s]: their coefficients, their rest, their year."""
         each = costs.MEMBER_SECONDS + (self.member_seconds - costs.MEMBER_SECONDS) * self._part_of_bins
-        shapes = {one.spec.sweep: one.study for one in some if one.study.THING == "buoy"}.values()
+        shapes = {one.spec.sweep: one.study for one in some if one.study.KIND == "buoy"}.values()
         water = sum(costs.block_seconds(block) for buoy in shapes for block in StudyPlan(buoy).sweep_blocks)
         water += sum(costs.finer_water_seconds(buoy) for buoy in shapes if not buoy.at_equilibrium)
         resting = [one for one in some if one.study.at_equilibrium]

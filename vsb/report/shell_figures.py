@@ -239,7 +239,7 @@ def design_in_words(design: dict[str, Any]) -> str:
 
 def sketches(study: Study) -> list[dict[str, str]]:
     """Return a sketch of each buoy of a study with its name, and what it is in words."""
-    if study.THING == "body":
+    if study.KIND == "body":
         return []
     designs = study.model_dump()["designs"]
     height, outline = study.centre_height / study.device.radius, _outline(study)

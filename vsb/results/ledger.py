@@ -277,7 +277,7 @@ def limit_checks(study: Study, frequency: xr.Dataset) -> list[Check]:
 
 def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> list[Check]:
     """Return whether a second solver agrees, on all shapes and with the database; a doubt where it cannot be used."""
-    if study.THING == "body" or study.hydro.witness == "none":
+    if study.KIND == "body" or study.hydro.witness == "none":
         return []
     if reason := no_witness(study):
         return [Check("witness", 1.0, 0.0, "-", "doubt", f"no second solver: {reason}")]
@@ -439,7 +439,7 @@ def sea_checks(
         run = runs[design]
         energy = energy_check(study.simulation, run.attrs["energy_residual"])
         checks.append(replace(energy, design=design, wave=wave.label))
-        if study.THING == "buoy":
+        if study.KIND == "buoy":
             checks += buoy_motion_checks(study, basis, wave, run)
         else:
             assert database is not None
@@ -619,7 +619,7 @@ def agreement_checks(study: Study, frequency: xr.Dataset, rows: Sequence[Row], r
 
 def _dampers_in_words(study: Study, run: Any) -> str:
     """Equivalent dampers of a run's drag; of several directions each with its name."""
-    names = [name.lower() if study.THING == "buoy" else name for name in study.plates] or ["heave"]
+    names = [name.lower() if study.KIND == "buoy" else name for name in study.plates] or ["heave"]
     values = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
     if names == ["heave"]:
         return f"{values[0]} {FORCE.damping_unit}"

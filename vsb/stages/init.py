@@ -70,7 +70,7 @@ def init_campaign(path: str, study: str) -> str:
     if site.exists():
         raise ConfigError(f"{site}: exists already; give the campaign a new name")
     raw = read_yaml(study, "a study file such as config/buoy.yaml")
-    of_body = read_study(raw, study).study.THING == "body"
+    of_body = read_study(raw, study).study.KIND == "body"
     base = base if re.fullmatch(r"[\w./-]+", base) else json.dumps(base)  # quoted as YAML reads it
     climate = f"{{scatter: {site.name}{', direction: 0.0' * of_body}}}"
     shipped = BODY_CAMPAIGN if of_body else CAMPAIGN

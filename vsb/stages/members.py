@@ -19,7 +19,7 @@ from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.waves.climate import Climate, realised
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.keys.quantities import canonical, content_id, result_id
-from vsb.models.build import Memory, body_memory, radiation_model
+from vsb.models.build import stored_memory
 from vsb.models.floating_system import (
     STATED,
     BuoyOfShape,
@@ -32,7 +32,7 @@ from vsb.models.floating_system import (
 from vsb.models.rest import order_bases, rubber_shell
 from vsb.models.stationary import realised_within
 from vsb.models.viability import Viability, viability, viability_of_body, with_designs
-from vsb.pipeline.graph import StudyPlan, database_path, radiation_path
+from vsb.pipeline.graph import MEMORY, StudyPlan, database_path, radiation_path
 from vsb.pipeline.plans import Member, members
 from vsb.results.campaign import YearsWithin, member, ports_year, stacked
 from vsb.results.causal_year import Schedule, schedules, year_of_schedules
@@ -128,7 +128,7 @@ def at_rest(
             kept[spec.sweep] = read()
         return kept[spec.sweep]
 
-    if study.THING == "body":
+    if study.KIND == "body":
         body: LinearSystem = coefficients(lambda: stored_body(database_path(root, *spec.sweep)))
         floating = floating_body(study, replace(body, direction=float(np.deg2rad(spec.climate.direction))))
         found = viability_of_body(study, floating)
@@ -233,7 +233,7 @@ def _of_viable(spec: VerificationSpec, study: Study, floating: Floating, seas: C
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
-    designs = bodies_in_time(spec, root) if study.THING == "body" else in_time(spec.study, root)
+    designs = bodies_in_time(spec, root) if study.KIND == "body" else in_time(spec.study, root)
     some = {design: designs[design] for design in study.designs}
     if tuning == CAUSAL:
         equipped = under_schedules(seas, by_bin, some)
@@ -247,25 +247,24 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a study ready for any sea, without a damper yet; its database made if it is not there."""
     plan = StudyPlan(study, root=root)
     make(plan, [plan.database.out, plan.radiation.out])
-    floating = floating_system(study, plan.database.out)
-    radiation = radiation_model(plan.radiation.out, floating.linear.labels)
-    take_off, shell = LinearPto(0.0, study.pto.stiffness, floating.port), floating.shell
-    rubber, memory = rubber_shell(study, shell.basis), Memory(radiation, floating.linear.added_mass_inf)
-    return {
-        design: DesignInTime(floating.linear, shell, memory, motions, take_off, study.pto, rubber)
-        for design, motions in floating.motions.items()
-    }
+    return _ready(study, plan.database.out, plan.radiation.out)
 
 
 def bodies_in_time(spec: VerificationSpec, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a body ready for any sea, without a damper yet, from its database and radiation memory."""
-    (database,), pto = spec.sweep, spec.study.pto
-    memory = spec_of("radiation", **spec.study.hydro.model_dump(include={"tolerance", "added_mass_inf"}))
-    radiation = body_memory(radiation_path(root, result_id(memory, database)))
-    floating = floating_system(spec.study, database_path(root, database))
-    linear, take_off = floating.towards(spec.climate.direction), LinearPto(0.0, pto.stiffness, floating.port)
+    (database,) = spec.sweep
+    memory = result_id(spec_of("radiation", **spec.study.hydro.model_dump(include=MEMORY)), database)
+    return _ready(spec.study, database_path(root, database), radiation_path(root, memory), spec.climate.direction)
+
+
+def _ready(study: Study, database: str, radiation: str, direction: float = 0.0) -> Mapping[str, DesignInTime]:
+    """The designs of a study in waves of a direction [degrees], from its database and radiation memory."""
+    floating, pto = floating_system(study, database), study.pto
+    memory, shape = stored_memory(radiation, floating.linear), floating.shape
+    linear, take_off = floating.towards(direction), LinearPto(0.0, pto.stiffness, floating.port)
+    rubber = rubber_shell(study, shape.basis) if shape else None
     return {
-        design: DesignInTime(linear, None, radiation, motions, take_off, pto)
+        design: DesignInTime(linear, shape, memory, motions, take_off, pto, rubber)
         for design, motions in floating.motions.items()
     }
 

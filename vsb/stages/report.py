@@ -428,7 +428,7 @@ def run_report(study: Study, trajectories: str, out: str, manifest: str, **files
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
         reference=study.reference_design,
         sketches=sketches(study),
-        thing=study.THING,
+        thing=study.KIND,
         flexible=study.has_shell or (study.flexible and is_flexible(stored.response.dof.values)),
         animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
@@ -481,7 +481,7 @@ def _inputs(stored: Inputs) -> str:
     study, plan = stored.study, stored.plan
     files = [f"study {plan.identity}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
     files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if wave.of_file]
-    if study.THING == "body":
+    if study.KIND == "body":
         given = getattr(study.body, study.body.kind)
         named = given.paths if isinstance(given, BodyFile) else {study.body.kind: given}
         files += [f"{name} {content}" for name, content in named.items()]
@@ -507,7 +507,7 @@ def _water_facts(stored: Inputs) -> dict[str, str]:
 
 def _cross_check_facts(stored: Inputs) -> dict[str, str]:
     """What the second solver was, and how long it took; nothing of a body, which none knows."""
-    if (study := stored.study).THING == "body":
+    if (study := stored.study).KIND == "body":
         return {}
     if reason := no_witness(study):
         return {"Cross-check": f"none ({reason})"}

@@ -183,7 +183,7 @@ class BodyHydro(Section):
 class BodyStudy(Brief, Study):
     """One study file of a body."""
 
-    THING, LIMIT = "body", ""
+    KIND, LIMIT = "body", ""
     BRIEF = ("drag",)
     study: Name
     body: Body

@@ -203,7 +203,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, whose forces are of no law "
             "in time; needs fixed, one, each or causal beside it"
         )
-    if study.THING == "body":
+    if study.KIND == "body":
         campaign, floats_by = _of_a_body(campaign, study, source), {}
     else:
         device = given["device"] if isinstance(given, Mapping) else {}  # mass or draft decides; else half immersion
@@ -392,7 +392,7 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
     if isinstance(file := raw.get("body", {}).get("file"), dict):
         raw["water"] = file["water"]
     study, _ = read_study({"study": "member", "waves": [{"kind": "still"}], **raw}, where)
-    if study.THING == "buoy" and study.motion == "free":
+    if study.KIND == "buoy" and study.motion == "free":
         raise ConfigError(
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )

@@ -32,7 +32,7 @@ def paths(folder: str, names: Iterable[str]) -> list[str]:
 
 def of_study(study: Study) -> list[str]:
     """Return the names of the figures of a study."""
-    if study.THING == "body":
+    if study.KIND == "body":
         spectra = ["spectra"] if study.has_spectra else []
         return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_of_knowledge(study), *_in_seas(study, OF_A_BODY)]
     names = ["mode_shapes"]

@@ -83,7 +83,7 @@ class Study(Section):
     """
 
     KINDS: ClassVar[dict[str, type["Study"]]] = {}  # by what floats; that of a body is `vsb.study.body`
-    THING: ClassVar[Literal["buoy", "body"]]  # that floats
+    KIND: ClassVar[Literal["buoy", "body"]]  # that floats
     FLOATS: ClassVar[tuple[str, ...]] = ()  # keys of what floats, beside designs and take-off; none of a body
     LIMIT: ClassVar[str]  # of the power absorbed, in words; empty where none is known
     if TYPE_CHECKING:
@@ -109,7 +109,7 @@ class Study(Section):
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         """Know a kind by what floats in it."""
         super().__pydantic_init_subclass__(**_)
-        cls.KINDS[cls.THING] = cls
+        cls.KINDS[cls.KIND] = cls
 
     @classmethod
     def kind_of(cls, raw: object) -> "type[Study]":
@@ -122,7 +122,7 @@ class Study(Section):
         if cls is not Study:
             return handler(source)
         either: Any = Union[tuple(Annotated[kind, Tag(name)] for name, kind in cls.KINDS.items())]  # noqa: UP007
-        tag = Discriminator(lambda value: (type(value) if isinstance(value, Study) else cls.kind_of(value)).THING)
+        tag = Discriminator(lambda value: (type(value) if isinstance(value, Study) else cls.kind_of(value)).KIND)
         return handler.generate_schema(Annotated[either, tag])
 
     @classmethod
@@ -416,7 +416,7 @@ class BuoyStudy(Study):
     """One study file."""
 
     model_config = ConfigDict(title="Study")
-    THING, LIMIT = "buoy", "λ/2π"
+    KIND, LIMIT = "buoy", "λ/2π"
     FLOATS = ("device", "motion", "mooring", "modes", "reference_shape")
     study: Name
     motion: Motion = "heave"
@@ -668,7 +668,7 @@ def parse(raw: object, source: str = "study") -> Study:
 def unlikely_units(study: Study) -> list[str]:
     """Return a line for every number outside its usual range that is within in another unit; of a body none."""
     lines = []
-    for key, value, unit, least, most in _ranges(study) if study.THING == "buoy" else ():
+    for key, value, unit, least, most in _ranges(study) if study.KIND == "buoy" else ():
         size = abs(value)
         if size == 0 or math.isinf(size) or least <= size <= most:
             continue
