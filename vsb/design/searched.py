@@ -85,14 +85,16 @@ def control_of(search: Search) -> RmsLimits | None:
 
 def shares_of(study: Study, keys: Sequence[str]) -> Callable[[FloatArray], Mapping[str, float]] | None:
     """Return what gives a buoy's shares of the limits every buoy has; None where the device does not vary."""
-    if not any(key.startswith("device.") for key in keys):
+    of_device = [i for i, key in enumerate(keys) if key.startswith("device.")]
+    if not of_device:
         return None
 
-    def found(values: FloatArray) -> Mapping[str, float]:
-        built = with_values(study, dict(zip(keys, map(float, values), strict=True)))
+    @cache
+    def found(*values: float) -> Mapping[str, float]:
+        built = with_values(study, {keys[i]: value for i, value in zip(of_device, values, strict=True)})
         return shares(built.device, built.water, flexible=study.flexible)
 
-    return found
+    return lambda values: found(*map(float, values[of_device]))
 
 
 def degrees_of(search: Search) -> Sequence[int | None]:

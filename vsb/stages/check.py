@@ -4,6 +4,7 @@ Each kind has a module of its own, imported only for a plan of that kind: a run 
 """
 
 import importlib
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,6 +32,12 @@ def read_climate(year: ClimateFile, path: str) -> Climate:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs the climate of the campaign") from None
     if found != year.file:
         raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
+    return _seas_of(year, path)
+
+
+@lru_cache(maxsize=1)
+def _seas_of(year: ClimateFile, path: str) -> Climate:
+    """Seas of a file whose contents are known: stages done by one process share them."""
     return read_seas(path, year.spectrum, year.gamma)
 
 

@@ -122,7 +122,8 @@ class DeformedShell:
         if not self.modal_amplitude.any():
             return at._replace(z=self.centre_height + at.z)
         sin, cos = np.sin(colatitude), np.cos(colatitude)
-        v, slope, first, second = np.moveaxis(legvander(cos, len(self._series) - 1) @ self._series, -1, 0)
+        summed = legvander(cos, len(self._series) - 1) @ self._series
+        v, slope, first, second = (summed[..., i] for i in range(4))
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
             at.x + v * sin + u * cos,
