@@ -364,13 +364,17 @@ def data_csv(figure: Figure) -> str:
 
     A bin of a map that is not coloured has no value.
     """
-    rows: list[list[object]] = []
+    text = [csv_text(["axes", "series", "x", "y", "value"], [])]
     for i, ax in enumerate(figure.axes):
         where = _one_line(ax.get_title() or ax.get_ylabel()) or f"axes {i + 1}"
         for series, points in _points(ax):
             thinned = points[:: max(1, -(-len(points) // MOST_POINTS))] if series != "map" else points
-            rows += [[where, series, *("" if math.isnan(number) else number for number in point)] for point in thinned]
-    return csv_text(["axes", "series", "x", "y", "value"], rows, 6)
+            named = csv_text([where, series], []).rstrip("\n")
+            text += [
+                f"{','.join([named, *('' if math.isnan(x) else f'{x:.6g}' for x in point)])}\n"
+                for point in thinned.tolist()
+            ]
+    return "".join(text)
 
 
 def _points(ax: Axes) -> Iterator[tuple[str, FloatArray]]:

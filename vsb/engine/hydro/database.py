@@ -192,8 +192,13 @@ def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -
 
     Of their errors nothing is known of the signs.
     """
-    by_name = {name: np.abs(transform) if name == RESOLUTION else transform for name in raw}
-    return xr.Dataset({name: _transformed(data, by_name[name], list(labels)) for name, data in raw.items()})
+    found = {}
+    for name, data in raw.items():
+        by = np.abs(transform) if name == RESOLUTION else transform
+        values = data.values @ by.T
+        found[name] = data.dims, by @ values if {*PAIR} <= {*data.dims} else values
+    coords = {dim: list(labels) if dim in PAIR else raw.coords[dim] for dim in raw.sizes if dim in raw.coords}
+    return xr.Dataset(found, coords)
 
 
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
@@ -212,16 +217,6 @@ def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
             if degree and (j := place.get(Displacement("meridional", degree))) is not None:
                 row[j] += meridional
     return found
-
-
-def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:
-    """T data T^T over the degrees of freedom of the data, which come last."""
-    values = data.values @ transform.T
-    names = [dim for dim in PAIR if dim in data.dims]
-    if len(names) == 2:
-        values = transform @ values
-    kept = {dim: data.coords[dim] for dim in data.dims if dim in data.coords and dim not in names}
-    return xr.DataArray(values, dims=data.dims, coords={**kept, **dict.fromkeys(names, labels)})
 
 
 def with_excitation(ds: xr.Dataset) -> xr.Dataset:
