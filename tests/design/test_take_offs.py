@@ -20,10 +20,10 @@ from vsb.study.design import LEAST_STROKE, Variable
 FORCE, BOTH, BEYOND, NONE = RmsLimits(8e3), RmsLimits(8e3, 0.6), RmsLimits(8e3, 0.5), RmsLimits()
 
 
-def model_of(climate, limits, keys, design="VSWEC", **changes):
-    """A model of fewer nodes and frequencies."""
+def model_of(climate, limits, keys, design="VSWEC", finer=0.4, **changes):
+    """A model of fewer nodes and frequencies: derivatives are those of the discrete model."""
     model = DesignModel.of(study_of(**changes), design, climate, keys, control=limits)
-    return replace(model, nodes=28, grid=ControlGrid.of_control(climate, 12.0, 10))
+    return replace(model, nodes=28, grid=ControlGrid.of_control(climate, 12.0, 10, finer))
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def years(model):
 def test_derivatives_at_several_ports_are_those_of_differences(climate, design, force, key, control):
     """Signals outlast the frequencies of these few waves: derivatives are those of the very numbers."""
     pto = {"ports": FORCES, "matrix": "diagonal", "control": control}
-    model = model_of(climate, RmsLimits(force), [key], design, pto=pto)
+    model = model_of(climate, RmsLimits(force), [key], design, finer=0.75, pto=pto)
     found, year, (x,) = model.at(model.point).quantities, years(model), model.point
     own = year([x])
     names = {"annual_mean_power": "power", "force_rms": "force_rms"}

@@ -31,11 +31,17 @@ def with_quality(floating):
     return replace(floating, linear=replace(floating.linear, database=checked))
 
 
+@pytest.fixture(scope="module")
+def unlimited(example, climate):  # noqa: F811
+    """The year of the example without a limit of force."""
+    return causal_years(example[0], with_quality(example[1]), climate)
+
+
 @pytest.mark.parametrize("limit", [1e3, np.inf])
-def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit):  # noqa: F811
+def test_year_lies_between_dampers_and_the_matched_force(example, climate, unlimited, limit):  # noqa: F811
     study, floating = example[0], with_quality(example[1])
-    limited = study.model_copy(update={"pto": type(study.pto)(force_limit=limit)})
-    whole = causal_years(limited, floating, climate)
+    limited = study.model_copy(update={"pto": Pto(force_limit=limit)})
+    whole = unlimited if np.isinf(limit) else causal_years(limited, floating, climate)
     dampers, found = ({name: np.asarray(values)[:, i] for name, (_, values) in whole.items()} for i in (0, 1))
     assert (dampers["annual_mean_power"] < found["annual_mean_power"]).all()
     power, bins = found["annual_mean_power"], bins_of(climate)
@@ -65,13 +71,13 @@ def converted(power, force, speed, efficiency, angles=4096):
     return np.where(p > 0, efficiency * p, p / efficiency).mean(axis=1)
 
 
-def test_losses_in_conversion_are_those_of_each_sea(example, climate):  # noqa: F811
+def test_losses_in_conversion_are_those_of_each_sea(example, climate, unlimited):  # noqa: F811
     """In a bin of two seas of other periods the mean of both, no better than the same part of the power at the port."""
     study, floating = example[0], with_quality(example[1])
     lossy = study.model_copy(update={"pto": Pto(efficiency=0.7, tuning="each")})
     (dampers, whole), (part, found) = (
-        np.moveaxis(np.asarray(causal_years(one, floating, climate)["annual_mean_power"][1]), 1, 0)
-        for one in (study, lossy)
+        np.moveaxis(np.asarray(years["annual_mean_power"][1]), 1, 0)
+        for years in (unlimited, causal_years(lossy, floating, climate))
     )
     np.testing.assert_allclose(part, 0.7 * dampers, rtol=1e-9)
     assert (part < found).all()
@@ -93,10 +99,9 @@ def test_losses_in_conversion_are_those_of_each_sea(example, climate):  # noqa: 
 TOP = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
 
 
-def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(example, climate):  # noqa: F811
+def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(example, climate, unlimited):  # noqa: F811
     """A rigid buoy, which moves one of the ports alone, has the year that this port has by itself."""
     study, floating = example[0], with_quality(example[1])
-    one = causal_years(study, floating, climate)
     several = study.model_copy(update={"pto": Pto.model_validate(TOP)})
     ports = replace(floating, port=port_direction(several.pto.port, reference_shell(several)))
     found = causal_years(several, ports, climate)
@@ -110,7 +115,7 @@ def test_year_of_several_ports_lies_between_damper_matrices_and_matched_forces(e
         assert power[i, 0] == pytest.approx(matrix, rel=5e-3)  # of each bin, not of each sea
         assert power[i, 0] < power[i, 1] < float(year.squares @ port.matched_power)
         assert low[i, 1] < power[i, 1] < high[i, 1]
-        alone = np.asarray(one["annual_mean_power"][1])[i]
+        alone = np.asarray(unlimited["annual_mean_power"][1])[i]
         if study.designs[design].flexible:
             assert (power[i] > alone).all()
         else:

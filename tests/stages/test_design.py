@@ -494,10 +494,12 @@ def test_several_ports_have_the_matrix_that_absorbs_most_and_keep_it_as_built(fo
     assert "h, v: [[" in Path(plan.folder, "report.html").read_text()
 
 
-def test_several_ports_keep_the_force_of_all_together(folder):
+PORTS_AT_FORCE = {"ports": {"h": "heave", "r": {"colatitude": 120}}, "matrix": "diagonal"}
+
+
+def test_limits_and_objectives_that_several_ports_do_not_have_are_refused(folder):
     unlike = shell_with(folder, "unlike", pto={"ports": {"h": "heave", "v": "volume"}})
-    study = shell_with(folder, "forces", pto={"ports": {"h": "heave", "r": {"colatitude": 120}}, "matrix": "diagonal"})
-    free = {"device.mass": [9e3, 2.2e4]}
+    study = shell_with(folder, "forces", pto=PORTS_AT_FORCE)
     for changes, words in (
         ({"study": unlike, "limits": {"force_rms": 5e3}}, r"limits\.force_rms.*no one load"),
         ({"study": study, "limits": {"stroke_rms": 0.5}}, r"limits\.stroke_rms.*no one stroke"),
@@ -505,8 +507,13 @@ def test_several_ports_keep_the_force_of_all_together(folder):
         ({"study": study, "limits": {"force_rms": 5e3}, "competitor": {"port": "heave"}}, r"force_rms.*no one load"),
     ):
         with pytest.raises(ConfigError, match=words):
-            planned(folder, "refused", free, **changes)
-    plan = planned(folder, "at_forces", free, study=study, limits={"force_rms": 5e3})
+            planned(folder, "refused", {"device.mass": [9e3, 2.2e4]}, **changes)
+
+
+@pytest.mark.slow
+def test_several_ports_keep_the_force_of_all_together(folder):
+    study = shell_with(folder, "at_force", pto=PORTS_AT_FORCE)
+    plan = planned(folder, "at_forces", {"device.mass": [9e3, 2.2e4]}, study=study, limits={"force_rms": 5e3})
     for task in plan.tasks:
         run_task(task)
     found = vsb.open(plan.folder)

@@ -28,7 +28,7 @@ from vsb.tools.files import load
 from vsb.tools.packed import Pack, packs
 
 BASE = yaml.safe_load(SEED.read_text())
-BASE["modes"]["degree"] = 2
+BASE["modes"] |= {"degree": 2, "tolerance": 0.1}
 BASE["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
 BASE["hydro"] = {"omega_max": 5.0}
 HERTZ = np.linspace(0.04, 0.5, 24)
