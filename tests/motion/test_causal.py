@@ -16,7 +16,7 @@ from vsb.engine.motion.causal import (
     optimum,
 )
 from vsb.engine.motion.port import Port, Ports
-from vsb.engine.motion.tuning import best_matrix, damper_within_force
+from vsb.engine.motion.tuning import best_matrix, damper_within_force, priced_matrix
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.errors import StabilityError
 
@@ -246,6 +246,38 @@ def test_power_grows_with_knowledge_whatever_the_ports_are_turned_by(share):
     assert optimum(ports.over(turn), RmsLimits(force), 1e-7).power == pytest.approx(found[0].power, rel=1e-6)
     idle = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # a third port moves as the first: two share a force better
     assert optimum(ports.over(idle), RmsLimits(force), 1e-7).power > found[0].power
+
+
+def vibrating(seed, count, spacing):
+    """Ports of a body of some more lightly damped modes, all in one direction of waves, which modes meet in turn."""
+    rng, omega = np.random.default_rng(seed), (np.arange(round(12.0 / spacing)) + 0.5) * spacing
+    own, loss = np.append(rng.uniform(1.0, 2.5), rng.uniform(2.5, 8.0, count + 1)), rng.uniform(0.005, 0.3, count + 2)
+    mass, shapes = 10 ** rng.uniform(3.5, 4.5, count + 2), rng.standard_normal((count + 2, count))
+    modal = 1 / (mass * (2 * loss * own - 1j * (omega[:, None] - own**2 / omega[:, None])))
+    late = np.exp(1j * omega[:, None] * rng.uniform(-1.0, 1.0, count + 2) - (omega[:, None] / 3) ** 2)
+    free = (modal * 1e4 * rng.standard_normal(count + 2) * late) @ shapes
+    admittance, density = (
+        shapes.T @ (modal[..., None] * shapes),
+        jonswap_spectrum(omega, 1.0, rng.uniform(3.0, 7.0), 3.3),
+    )
+    spectrum = free[:, :, None] * free[:, None].conj() * density[:, None, None]
+    return StationaryPorts(spacing, admittance, spectrum), Ports(omega, admittance, free), 2 * density * spacing
+
+
+@pytest.mark.parametrize(("seed", "count", "share"), [(0, 3, 0.1), (6, 2, 0.1), (8, 3, 1.0), (2, 3, 1.0)])
+def test_power_of_ports_grows_with_knowledge_on_coarse_grids_too(seed, count, share):
+    """What products of long signals leave at negative times is faded out: it would take more than a tenth of them."""
+    ports, seen, squares = vibrating(seed, count, 0.06)
+    best = best_matrix(seen, squares, "diagonal")
+    limits = RmsLimits(share * float(np.linalg.norm(seen.force_rms(best.damping, squares))))
+    damped = priced_matrix(seen, squares, limits.force, "diagonal")[0].power
+    powers = [optimum(ports, limits, NOISE, time).power for time in (0.0, 1.0, 3.0)]
+    known = optimum(ports, limits, 0.0, np.inf).power
+    assert np.all(np.diff([damped, *powers, known]) > -1e-6 * known), (damped, powers, known)
+    finer = vibrating(seed, count, 0.02)[0]
+    for time, power in zip((0.0, 1.0, 3.0), powers, strict=True):
+        expected = optimum(finer, limits, NOISE, time).power / finer.matched_power
+        assert power / ports.matched_power == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_mean_square_of_the_forces_is_the_slope_of_the_optimum():

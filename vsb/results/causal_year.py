@@ -60,6 +60,10 @@ class Scheduled(NamedTuple):
     damping: float = 0.0  # of a damper [N s/m]
     optimum: tuple[StationaryPort, Controlled] | None = None  # of a controller, at one port
 
+    def beside(self, most: float) -> "Scheduled":
+        """Return a damper as the best of both where the controller absorbs less, and `most` with its error [W]."""
+        return self._replace(error=max(most - self.power, 0.0))
+
 
 Schedule = list[dict[str, Scheduled]]
 """By bin: tuning -> controller."""
@@ -102,9 +106,9 @@ def scheduled(
     own = gain * seen.velocity / seen.admittance
     each = matched / port.matched_power * converted(own, (best.power, best.force, best.speed))
     power = float(each @ share)
-    if stroke <= limits.stroke and damped.power >= power:
-        return {SAME_FORCE: damped, CAUSAL: damped}
     error = power * numerical_error(port, best, noise, forecast)
+    if stroke <= limits.stroke and damped.power >= power:
+        return {SAME_FORCE: damped, CAUSAL: damped.beside(power + error)}
     controlled = Scheduled(power, error, best.force_rms, own, of_seas=each, optimum=(port, best))
     return {SAME_FORCE: damped, CAUSAL: controlled}
 
@@ -154,12 +158,12 @@ def scheduled_at_ports(pto: Pto, year: Any, squares: FloatArray, ports: Stationa
     limits = RmsLimits(rms_force(pto, float(np.linalg.norm(rms / units))))
     found = optimum(moved, limits, noise, forecast)
     ratio = float(squares @ seen.matched_power) / ports.matched_power
+    error = ratio * found.power * numerical_error(moved, found, noise, forecast)
     if power >= ratio * found.power:
-        return {SAME_FORCE: damped, CAUSAL: damped}
+        return {SAME_FORCE: damped, CAUSAL: damped.beside(ratio * found.power + error)}
     gain = make_interp_spline(moved.omega, moved.controller(found.weights, noise, forecast), k=1)(seen.omega)
     waves = np.linalg.solve(forces.T @ seen.admittance @ forces, (seen.velocity @ forces)[..., None])
     own = (forces @ gain @ waves)[..., 0]
-    error = ratio * found.power * numerical_error(moved, found, noise, forecast)
     together = float(np.sqrt(0.5 * squares @ (np.abs(own) ** 2).sum(axis=1)))
     return {SAME_FORCE: damped, CAUSAL: Scheduled(ratio * found.power, error, together, own)}
 

@@ -24,7 +24,7 @@ from vsb.engine.motion.constrained import optimum_in_sea
 from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
-from vsb.engine.motion.take_off import Pto, named_ports
+from vsb.engine.motion.take_off import Control, Pto, named_ports
 from vsb.engine.motion.tuning import (
     Load,
     best_dampers,
@@ -532,9 +532,16 @@ def causal_level(
     share = best.converted(pto.efficiency) / port.matched_power
     power = share * (matched.power_mean or 0.0)
     if stroke <= limits.stroke and (damper.power_mean or 0.0) >= power:
-        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
+        return _damper_better(damper, pto.control, power * (1 + away))
     rms = None if damper.force_rms is None else best.force_rms  # of several forces without a unit in common
     return unknown._replace(power_mean=power, limit_fraction=share, force_rms=rms, numerical=away)
+
+
+def _damper_better(damper: ControlLevel, control: Control, most: float) -> ControlLevel:
+    """The level `causal` where a controller absorbs less than the damper, and `most` with its error [W]."""
+    beyond = max(most / damper.power_mean - 1, 0.0) if damper.power_mean else 0.0
+    own = damper._replace(noise=control.noise, forecast=control.forecast, numerical=beyond)
+    return own._replace(rung=CAUSAL, note=DAMPER_BETTER)
 
 
 def causal_levels_with_drag(
@@ -569,10 +576,10 @@ def causal_levels_with_drag(
             continue
         share = own.best.converted(pto.efficiency) / own.matched_power
         power, dampers = share * matched.power_mean, ", ".join(f"{d:.4g}" for d in own.damping)
-        if (best.power_mean or 0.0) >= power:
-            found.append(best._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER))
-            continue
         away = numerical_error(own.port, own.best, noise, forecast)
+        if (best.power_mean or 0.0) >= power:
+            found.append(_damper_better(best, pto.control, power * (1 + away)))
+            continue
         found.append(
             unknown._replace(
                 power_mean=power,

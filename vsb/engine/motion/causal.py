@@ -37,7 +37,7 @@ Applied Ocean Research 42 (2013), which solves the same problem with rational mo
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -68,6 +68,9 @@ REPEATED, SAME_POWER = 40, 1e-9
 STEPS, FACTORED, LEFT = 60, 1e-12, 1e-8
 """Most iterations for a factor, the relative error of its square, mean over frequencies, before the last of them, and
 the most that round-off may leave."""
+NEAR, SLOW = 0.5, 0.99
+"""Largest relative error of a factor's square from which an iteration should more than halve it, and the ratio by which
+it does from further away: with less, fading out signals keeps it from converging."""
 STILL = 1e-14
 """Square of an admittance, in terms of the largest, below which forces move nothing but by round-off."""
 
@@ -167,10 +170,20 @@ class _OnGrid:
         With half of that at the end of the period as well, `end`, a Hermitian matrix is the sum of its causal part and
         the adjoint of that, to round-off.
         """
+        weights = np.ones(len(phasors) + 1)
+        weights[0], weights[-1] = 0.5, end
+        return self._kept(phasors, weights)
+
+    def faded(self, phasors: ComplexArray) -> ComplexArray:
+        """Return the part of a signal at t >= 0, faded out over the second half of them, as phasors of its shape."""
+        late = np.maximum(np.linspace(-1.0, 1.0, len(phasors) + 1), 0.0)
+        return self._kept(phasors, np.cos(0.5 * np.pi * late) ** 2)
+
+    def _kept(self, phasors: ComplexArray, weights: FloatArray) -> ComplexArray:
+        """A signal times weights at 0, step, ... to half the period, 0 at negative times, as phasors."""
         values = self.signal(phasors)
-        values[0] /= 2
-        values[len(phasors)] *= end
-        values[len(phasors) + 1 :] = 0.0
+        values[: len(weights)] *= weights.reshape(-1, *(1,) * (phasors.ndim - 1))
+        values[len(weights) :] = 0.0
         return np.asarray(ifft(values * self._turn.conj(), axis=0)[: len(phasors)] / self.spacing)
 
     def causal_part(self, real: FloatArray) -> ComplexArray:
@@ -356,8 +369,10 @@ class StationaryPorts(_OnGrid):
     ) -> tuple[ComplexArray, list[ComplexArray]]:
         """The causal B with a causal inverse and B B^H = a Hermitian, positive matrix, (omega, port, port).
 
-        Wilson's iteration, Newton's method: B becomes B (the causal part of B^-1 square B^-H + 1). The derivatives of B
-        by those of the square follow it step by step: where signals outlast the grid B depends on where it begins.
+        Wilson's iteration, Newton's method: B becomes B (the causal part of B^-1 square B^-H + 1). Products of signals
+        that outlast the grid end at negative times, and no later step removes them: B B^H is right with any of them. So
+        they are faded out after each step, until that keeps the steps from converging: the last ones are without. The
+        derivatives of B by those of the square follow it step by step.
         """
         one = np.eye(square.shape[1])
 
@@ -369,14 +384,21 @@ class StationaryPorts(_OnGrid):
         ratios = [0.5 * np.einsum("wii->wi", change) / own for change in changes]
         slopes: list[ComplexArray] = [found * self.causal_part(diagonal(ratio)) for ratio in ratios]
         before, size = np.inf, np.abs(square).max(axis=(1, 2))
-        for _ in range(STEPS):
+        fades, apart = True, np.inf
+        for turn in range(STEPS):
             inverse, seen = np.linalg.inv(found), self._seen(found, square)
+            off = np.abs(seen - one).max(axis=(1, 2))
+            last, apart = apart, float(off.mean())
+            fades &= apart > FACTORED and (turn < 2 or apart < (SLOW if off.max() > NEAR else NEAR) * last)
             step = self.causal(seen + one, end=0.5)
             for i, change in enumerate(changes):
                 turned = inverse @ slopes[i] @ seen
                 moved = self._seen(found, change) - turned - turned.conj().swapaxes(1, 2)
                 slopes[i] = slopes[i] @ step + found @ self.causal(moved, end=0.5)
             found = found @ step
+            if fades:
+                found, slopes = self.faded(found), [self.faded(slope) for slope in slopes]
+                continue
             away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).mean())
             if before <= FACTORED or 0.99 * before < away <= LEFT:
                 return found, slopes
@@ -502,6 +524,8 @@ def numerical_error(port: Stationary, found: Controlled, noise: float, forecast:
     The changes by three times the spacing and by half the frequencies beyond the spectrum: both errors fall by a factor
     of four or more with each halving, so that what is left is smaller than these.
     """
+    if not found.power:
+        return 0.0
     power, changes = found.objective / port.matched_power, 0.0
     for other in (port.coarser(), port.shorter()):
         changes += abs(other.controlled(found.weights, noise, forecast).objective / other.matched_power - power)
@@ -618,18 +642,23 @@ def least_weight(
 
     The quantity falls with its weight. If no weight keeps the limit, the optimum at the largest one.
     """
-    found = at(least)
+    found, floor = at(least), float(np.log(least)) if least > 0 else -np.inf
     if share(found) <= 1:
         return found
-    low, high = max(least, start / MOST_WEIGHT), max(start, 2 * least)
-    while share(at(high)) > 1:
-        low, high = high, 100 * high
-        if high > MOST_WEIGHT * start:
-            return at(high)
-    while share(at(low)) < 1:  # only where the least weight is 0
-        low /= 100
-    root = brentq(lambda x: np.log(min(share(at(np.exp(x))), FAR)), np.log(low), np.log(high), xtol=ROOT)
-    return at(float(np.exp(root)))
+
+    @cache
+    def own(x: float) -> Controlled:
+        return at(float(np.exp(x))) if x > floor else found
+
+    low = high = float(np.log(max(start, 2 * least)))
+    while share(own(high)) > 1:
+        low, high = high, high + np.log(100)
+        if high > np.log(MOST_WEIGHT * start):
+            return own(high)
+    step = 0.5
+    while share(own(low)) <= 1:
+        low, high, step = max(low - step, floor), low, 2 * step
+    return own(float(brentq(lambda x: np.log(min(share(own(x)), FAR)), low, high, xtol=ROOT)))
 
 
 class Tail:
