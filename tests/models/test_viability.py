@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from conftest import varied
 
 from vsb.errors import ConfigError
 from vsb.models.rest import check_stable, computed_buckling, reference_shell
@@ -13,18 +14,6 @@ from vsb.results.ledger import shell_checks
 from vsb.study.study import load, parse
 
 CONFIG = Path(__file__).parents[2] / "config"
-
-
-def varied(study, **sections):
-    """A study with other values in some sections."""
-    raw = study.model_dump()
-    return parse(raw | {name: raw[name] | values for name, values in sections.items()}, source="varied")
-
-
-@pytest.fixture(scope="module")
-def seed():
-    """The shipped study."""
-    return load(CONFIG.parent / "tests" / "data" / "seed.yaml")
 
 
 def test_margin_matches_the_check_of_the_results(seed):

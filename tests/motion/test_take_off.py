@@ -1,19 +1,13 @@
 """Law, limits, port and damping of the take-off in a study file."""
 
 import pytest
-from conftest import SEED, varied
+from conftest import varied
 
 from vsb.engine.motion.take_off import Pto, port_kind, positive_semidefinite
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.pipeline.graph import StudyPlan
-from vsb.study.study import load, parse
-
-
-@pytest.fixture(scope="module")
-def seed():
-    return load(SEED)
-
+from vsb.study.study import parse
 
 SEA = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
 SWELL, STILL = {"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "still"}

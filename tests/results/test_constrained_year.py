@@ -35,7 +35,7 @@ from vsb.results.year import LIMITS as WAVE_LIMITS
 from vsb.results.year import Bins
 from vsb.study.campaign import CONSTRAINED
 
-SEAS = climate()
+SEAS = climate(seas=10)
 HARMONICS = Harmonics(0.1, 2.0, 23)  # 0.2 to 2.4 rad/s
 PORT = port(HARMONICS.port_omega)
 

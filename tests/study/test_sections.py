@@ -188,11 +188,6 @@ def test_free_buoy_has_every_order_twice_and_yaw():
 PLATE_OF_DRAG = {"heave": {"coefficient": 0.5, "area": 12.57}}
 
 
-@pytest.fixture(scope="module")
-def seed():
-    return load(SEED)
-
-
 @pytest.mark.parametrize(
     ("sections", "message"),
     [
