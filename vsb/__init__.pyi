@@ -29,12 +29,12 @@ from vsb.engine.waves.kinds import StillWater as StillWater
 from vsb.engine.waves.water import Water as Water
 from vsb.errors import VsbError as VsbError
 from vsb.stages.check import read_seas as read_seas
-from vsb.study.body import Study as Study  # with both kinds of it
 from vsb.study.body import load_body as load_body
 from vsb.study.design import load_design as load_design
 from vsb.study.sections import Design as Design
 from vsb.study.sections import Hydro as Hydro
 from vsb.study.sections import Modes as Modes
+from vsb.study.study import Study as Study
 from vsb.study.study import load as load
 
 __version__: str

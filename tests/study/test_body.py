@@ -11,8 +11,8 @@ from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
 from vsb.keys.reading import validated
-from vsb.study.body import BodyStudy, Study, is_body, load_body, located, wamit_files
-from vsb.study.study import parse
+from vsb.study.body import BodyStudy, is_body, load_body, located, wamit_files
+from vsb.study.study import Study, parse
 
 RAW = {
     "study": "raft",

@@ -29,8 +29,7 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Count, Finite, Name, Number, Positive, Section
 from vsb.keys.reading import read_yaml, validated
 from vsb.study.sections import BodyDrag, Published, check_followed
-from vsb.study.study import Study as Study
-from vsb.study.study import check_all, parse
+from vsb.study.study import Study, check_all, parse
 from vsb.tools.files import open_regular
 
 MOST_BODIES = 100

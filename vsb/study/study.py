@@ -82,7 +82,7 @@ class Study(Section):
     Reading what its kind does not have raises `AttributeError`.
     """
 
-    KINDS: ClassVar[dict[str, type["Study"]]] = {}  # by what floats; that of a body is `vsb.study.body`
+    KINDS: ClassVar[dict[str, type["Study"]]] = {}  # by what floats
     KIND: ClassVar[Literal["buoy", "body"]]  # that floats
     FLOATS: ClassVar[tuple[str, ...]] = ()  # keys of what floats, beside designs and take-off; none of a body
     LIMIT: ClassVar[str]  # of the power absorbed, in words; empty where none is known
