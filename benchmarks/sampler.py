@@ -66,6 +66,8 @@ def part(frame: FrameType | None) -> str:
 
 def main(out: str, *command: str) -> int:
     """Run a command of vsb and write the seconds of its parts."""
+    sys.dont_write_bytecode = False  # as of any installation
+    sys.modules["dask"] = None  # type: ignore[assignment]  # which `vsb[spectra]` brings along, and xarray imports
     sampler = Sampler()
     from vsb.cli import main as vsb
 
