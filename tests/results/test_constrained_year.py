@@ -168,7 +168,7 @@ def study(seed):
     return varied(
         seed,
         designs={"FSB": {"flexible": False}, "VSWEC": {}},
-        modes={"degree": 2},
+        modes={"degree": 2, "tolerance": 0.1},
         pto={"damping": 8e3, "force_limit": LIMIT},
         hydro={"omega_max": 8.0},
     )

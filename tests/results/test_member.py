@@ -23,7 +23,7 @@ BETWEEN = -0.95
 
 @pytest.fixture(scope="module")
 def study(seed) -> Study:
-    return varied(seed, modes={"degree": 2}, pto={"damping": 8e3})
+    return varied(seed, modes={"degree": 2, "tolerance": 0.1}, pto={"damping": 8e3})
 
 
 BAND = (0.1, 3.0)
