@@ -55,7 +55,7 @@ def rows_of(shell: str) -> Iterator[tuple[object, ...]]:
     for port in PORTS:
         study = planar(*SHELLS[shell], port)
         water, seas = study.water, [wave.realisation(study.hydro.omega_max, 0.0) for wave in study.waves]
-        buoy = StudyPlan(study).ladder.spec["study"]
+        buoy = StudyPlan(study).with_degree().ladder.spec["study"]
         found = ModeConvergence(buoy, seas)
         rigid, free = found.compared[-1][:, :, 1]
         beyond = 100 * np.ptp(found.compared, axis=0)[1, :, 1] / rigid
