@@ -92,8 +92,8 @@ def test_control_beside_drag_absorbs_what_the_drag_itself_leaves(example):
     With little drag it is the controller without.
     """
     study, floating = example
-    wave = next(wave for wave in study.waves if wave.tp == 5.0)
-    sea, limit = expected_sea(study, wave, floating.linear.database), 8e3
+    wave = next(wave for wave in study.waves if wave.tp == 3.0)
+    sea, limit = expected_sea(study, wave, floating.linear.database), 4e3
 
     def found(coefficient):
         own = varied(study, drag={"heave": {"coefficient": coefficient, "area": 12.5}})

@@ -231,7 +231,7 @@ def test_uncoupled_ports_are_controlled_each_by_itself():
 
 @pytest.mark.parametrize("share", [0.1, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_power_grows_with_knowledge_whatever_the_ports_are_turned_by(share):
-    ports, seen, squares = coupled()
+    ports, seen, squares = coupled(0.015)
     matrix = best_matrix(seen, squares, "full").damping
     if share < 1:
         matrix = 0.05 * matrix
