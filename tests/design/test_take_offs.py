@@ -111,7 +111,7 @@ def test_three_ports_absorb_more_than_dampers_and_the_more_the_longer_the_foreca
     powers = []
     for forecast in (0.0, 2.0):
         pto = {"ports": THREE, "matrix": "diagonal", "control": {"forecast": forecast}}
-        model = model_of(climate, FORCE, [], pto=pto)
+        model = model_of(climate, FORCE, [], finer=1.0, pto=pto)
         matrices = linearised(
             RestingBuoy.of(model.study, model.degree, model.design), model.design, [], model.grid.solved, model.nodes
         )
