@@ -6,7 +6,6 @@ import itertools
 
 import numpy as np
 import pytest
-import xarray as xr
 from conftest import varied
 from motion.test_drag import Buoy
 from scipy.optimize import minimize, minimize_scalar
@@ -24,7 +23,6 @@ from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import FloatingSystem, PortInSeas
 from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.pipeline.graph import StudyPlan
-from vsb.results import ladder as ladder_module
 from vsb.results.ladder import (
     Given,
     as_csv,
@@ -352,13 +350,6 @@ def test_causal_control_lies_between_damper_and_known_future_at_its_force(small,
     assert row.endswith(",1e-06,0.5")
 
 
-@pytest.fixture
-def levels_alone(monkeypatch):
-    """Control levels without what the shell modes left out may change, which takes most of their time."""
-    monkeypatch.setattr(ladder_module, "modes_left_out", lambda *_: xr.Dataset())
-
-
-@pytest.mark.usefixtures("levels_alone")
 def test_several_ports_of_a_given_rms_force(small):
     """A rigid buoy, which moves one of them alone, has what that port has by itself."""
     data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 3.0}]}
@@ -382,7 +373,6 @@ def test_several_ports_of_a_given_rms_force(small):
     assert "damper matrix" in same.note
 
 
-@pytest.mark.usefixtures("levels_alone")
 def test_causal_control_beside_drag_lies_between_damper_and_matched_power(small):
     sea, drag = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"heave": {"coefficient": 2.0, "area": 12.0}}
     data = small.study.model_dump() | {"waves": [sea], "pto": {"tuning": "each"}, "drag": drag}

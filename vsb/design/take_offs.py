@@ -200,7 +200,7 @@ class ControlGrid(FrequencyGrid):
     count: int  # of frequencies in the band
 
     @classmethod
-    def of_control(cls, climate: Climate, omega_max: float, solves: int, finer: int = 1) -> "ControlGrid":
+    def of_control(cls, climate: Climate, omega_max: float, solves: int, finer: float = 1.0) -> "ControlGrid":
         """Return the grid of a climate; a finer one has less spacing, and goes as much further beyond the band."""
         low, high = controlled_band(climate, omega_max)
         spacing = RESOLVED * 2 * np.pi / (finer * float(climate.te @ climate.hours))

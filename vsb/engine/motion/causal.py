@@ -69,8 +69,8 @@ STEPS, FACTORED, LEFT = 60, 1e-12, 1e-8
 """Most iterations for a factor, the relative error of its square, mean over frequencies, before the last of them, and
 the most that round-off may leave."""
 NEAR, SLOW = 0.5, 0.99
-"""Largest relative error of a factor's square from which an iteration should more than halve it, and the ratio by which
-it does from further away: with less, fading out signals keeps it from converging."""
+"""Ratios an iteration is to bring the relative error of a factor's square to: from below `NEAR` to `NEAR` of it, from
+further away to `SLOW`. Where it does not, fading out signals keeps it from converging."""
 STILL = 1e-14
 """Square of an admittance, in terms of the largest, below which forces move nothing but by round-off."""
 
