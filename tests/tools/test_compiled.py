@@ -8,7 +8,7 @@ import sys
 import pytest
 from conftest import HERE
 
-from vsb.tools.compiled import sources_id
+from vsb.tools.compiler import sources_id
 
 
 @pytest.mark.slow

@@ -1,119 +1,44 @@
-"""Where compiled loops are kept between runs: a folder of its own for every state of their sources.
+"""Loops that numba compiles when they are first called: most commands call none, and do not import it.
 
-A compiled loop holds what it calls from other files, and numba looks at its own file alone: kept beside the source, a
-loop would go on with the old force after `vsb.engine.motion.wetted` was edited. Import `njit` from here. What one loop
-alone calls has `inline="always"`: else it is compiled by itself and once more within the loop. The jobs of a first run
-need the same loops at the same time: one process compiles them, the others wait for it.
+What one loop alone calls has `inline="always"`: else it is compiled by itself and once more within the loop.
 """
 
-import hashlib
-import os
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import suppress
-from pathlib import Path
+from collections.abc import Callable
+from functools import cached_property, update_wrapper
 from typing import Any, TypeVar
 
-import numba
-from numba.core.caching import FunctionCache
-
 from vsb.tools.arrays import FloatArray
-from vsb.tools.files import wait
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
-HERE = Path(__file__).parents[1]
-PATIENCE = 120.0
-"""How long a process waits for another one that compiles, before it does so itself [s]."""
 
 
-def sources_id(folder: Path) -> str:
-    """Return 16 hex digits of sha256 over the sources in a folder that hold compiled loops."""
-    texts = [path.read_bytes() for path in sorted(folder.rglob("*.py"))]
-    return hashlib.sha256(b"\0".join(text for text in texts if b"@njit" in text)).hexdigest()[:16]
+class _Compiled:
+    """A loop, with all attributes of numba's: loops that call it find its type and its options there."""
 
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        """Name it as the function."""
+        self.options = options
+        update_wrapper(self, function)
 
-def _places() -> Iterator[Path]:
-    """Folders to keep compiled loops in, best first."""
-    if named := os.environ.get("NUMBA_CACHE_DIR"):
-        yield Path(named)
-    yield HERE / "__pycache__"
-    yield Path(os.environ.get("XDG_CACHE_HOME", Path("~/.cache").expanduser())) / "vsb"
-    yield Path(tempfile.mkdtemp(prefix="vsb-"))  # an install and a home one may only read: compiled anew
+    @cached_property
+    def loop(self) -> Any:
+        """Numba's."""
+        from vsb.tools.compiler import compiled
 
+        return compiled(self.__wrapped__, **self.options)
 
-def cache_folder() -> Path:
-    """Return the first folder that can be written, named by the sources."""
-    for place in _places():
-        folder = place / f"numba-{sources_id(HERE)}"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    raise AssertionError("unreachable: a new temporary folder can be written")
+    def __call__(self, *values: Any) -> Any:
+        """Compile the loop for values of these types, if it is not yet, and run it."""
+        return self.loop(*values)
 
-
-FOLDER = cache_folder()
-numba.config.CACHE_DIR = str(FOLDER)  # type: ignore[attr-defined]
-
-
-class _Turn:
-    """One process at a time; what compiles within a compilation has the turn already."""
-
-    depth = 0
-    lock = -1
-
-    def begin(self) -> None:
-        """Wait until no other process compiles, or for `PATIENCE`; where files cannot be locked, not at all."""
-        self.depth += 1
-        if self.depth == 1:
-            with suppress(OSError):
-                self.lock = os.open(FOLDER / ".lock", os.O_CREAT | os.O_WRONLY)
-                wait(self.lock, PATIENCE)
-
-    def end(self) -> None:
-        """Let the next process compile."""
-        self.depth -= 1
-        if self.depth == 0:
-            with suppress(OSError):
-                os.close(self.lock)
-            self.lock = -1  # its number may soon be another file's
-
-
-_TURN = _Turn()
-
-
-class _Cache(FunctionCache):
-    """Compiled loops in files; what is in none is compiled in turn."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return a compiled loop, or None: it is to be compiled now, and then kept by `save_overload`."""
-        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        if found is None:
-            _TURN.begin()  # another process may compile it meanwhile
-            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-            if found is not None:
-                _TURN.end()
-        return found
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a loop that was compiled."""
-        try:
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
-        finally:
-            _TURN.end()
+    def __getattr__(self, name: str) -> Any:
+        """Look up what is not here."""
+        return getattr(self.loop, name)
 
 
 def njit(**options: Any) -> Callable[[Loop], Loop]:
-    """Return numba's decorator with these options, for loops that are kept between runs."""
-
-    def decorate(function: Loop) -> Loop:
-        loop: Any = numba.njit(**options)(function)
-        loop._cache = _Cache(function)  # type: ignore[no-untyped-call]
-        return loop  # type: ignore[no-any-return]
-
-    return decorate
+    """Return a decorator like numba's with these options, for loops that are kept between runs."""
+    return lambda function: _Compiled(function, options)  # type: ignore[return-value]
 
 
 @njit(cache=True)

@@ -22,14 +22,13 @@ from vsb.engine.motion.linear import LinearSystem
 from vsb.engine.motion.port import Port, Ports
 from vsb.engine.waves.water import haskind_factor
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.compiled import njit
 
 
 class CoefficientError(NamedTuple):
     """An estimated error of the coefficients at some frequencies, from one source.
 
     Of `signed` errors added mass, damping, excitation and stiffness are each known as a whole, but not how they go
-    together; of others only the size of every entry is known.
+    together; of others only the size of every entry is known, not negative.
     """
 
     name: str
@@ -38,7 +37,7 @@ class CoefficientError(NamedTuple):
     stiffness: FloatArray | None = None  # of the still water, which panels give as well (dof, dof) [N/m]
 
 
-AT_ONCE = 2**15
+AT_ONCE = 2**14
 """Entries of matrices over frequency held at a time."""
 
 
@@ -74,12 +73,10 @@ class Sensitivity:
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""
-        if not error.signed:
-            return self._worst(error)
         sizes, dof = np.zeros(4), self.excitation.shape[1]
-        step = max(1, AT_ONCE // max(1, dof**2))
+        step, changes = max(1, AT_ONCE // max(1, dof**2)), self._signed if error.signed else self._worst
         for start in range(0, len(self.omega), step):
-            sizes += self._signed(error, slice(start, start + step))
+            sizes += changes(error, slice(start, start + step))
         return float(np.abs(sizes).sum())
 
     def _signed(self, error: CoefficientError, part: slice) -> FloatArray:
@@ -93,41 +90,20 @@ class Sensitivity:
         held = 0.0 if error.stiffness is None else np.vdot(left, error.stiffness @ right)
         return np.array([-(w**2) @ by_mass, w @ by_damping, np.sum(self.excitation[part] * force[part]).real, held])
 
-    def _worst(self, error: CoefficientError) -> float:
-        """The same if all entries of the error go together."""
-        mass, damping, force = error.error
-        found = float(np.abs(self.excitation * force).sum())
+    def _worst(self, error: CoefficientError, part: slice) -> FloatArray:
+        """The same if all entries of the error go together: sizes of the derivatives times those of the error."""
+        w, (mass, damping, force) = self.omega[part], error.error
+        by_force = np.abs(self.excitation[part] * force[part]).sum()
         if not self.products:
-            return found
-        towards, response = (np.stack(side) for side in zip(*self.products, strict=True))
-        held = np.zeros(mass.shape[1:]) if error.stiffness is None else error.stiffness
-        given = map(np.ascontiguousarray, (self.omega, towards, response, mass, damping, held))  # compiled once
-        return found + float(_of_entries(*given))
-
-
-@njit(cache=True)
-def _of_entries(
-    omega: FloatArray,
-    towards: ComplexArray,
-    response: ComplexArray,
-    mass: FloatArray,
-    damping: FloatArray,
-    stiffness: FloatArray,
-) -> float:
-    """Sizes of the derivatives by D, sums of products (product, omega, dof), times those of errors, entry by entry."""
-    found = 0.0
-    for w in range(len(omega)):
-        for i in range(towards.shape[2]):
-            for j in range(i + 1):
-                z = 0j
-                for k in range(len(towards)):
-                    z += towards[k, w, i] * response[k, w, j] + towards[k, w, j] * response[k, w, i]
-                of_mass = omega[w] ** 2 * (abs(mass[w, i, j]) + abs(mass[w, j, i]))
-                of_stiffness = abs(stiffness[i, j]) + abs(stiffness[j, i])
-                of_damping = omega[w] * (abs(damping[w, i, j]) + abs(damping[w, j, i]))
-                both = abs(z.real) * (of_mass + of_stiffness) + abs(z.imag) * of_damping
-                found += both / (2 if j < i else 4)
-    return found
+            return np.array([0.0, 0.0, by_force, 0.0])
+        towards, response = (np.stack([one[part] for one in side], -1) for side in zip(*self.products, strict=True))
+        both = np.concatenate([towards, response], -1) @ np.concatenate([response, towards], -1).swapaxes(1, 2) / 2
+        real, imaginary = np.abs(both.real), np.abs(both.imag)
+        by_mass, by_damping = (
+            np.einsum("wij,wij->w", size, matrix[part]) for size, matrix in ((real, mass), (imaginary, damping))
+        )
+        held = 0.0 if error.stiffness is None else np.vdot(real.sum(axis=0), error.stiffness)
+        return np.array([w**2 @ by_mass, w @ by_damping, by_force, held])
 
 
 def sensitivity(
@@ -329,7 +305,9 @@ def _between(linear: LinearSystem, omega: FloatArray, found: Coefficients, state
         misfits = haskind_misfits(
             at, ds.radiation_damping.values[pair], known.damping[pair], known.excitation[:, own], *water
         )
-        mass[block], damping[block], force[:, own] = (make_interp_spline(at, each, k=1)(omega) for each in misfits)
+        mass[block], damping[block], force[:, own] = (
+            np.abs(make_interp_spline(at, each, k=1)(omega)) for each in misfits
+        )
     return CoefficientError(INTERPOLATION, Coefficients(mass, damping, force.astype(complex)), signed=False)
 
 

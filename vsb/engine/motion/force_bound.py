@@ -17,18 +17,19 @@ method. The Toeplitz and Hankel parts of its matrix are each one Fourier transfo
 a force that is linear between the nodes, hence within its limit at every instant.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import fft, ifft, next_fast_len
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.tools.compiled import njit
 
 POINTS_PER_WAVE = 4
 """Instants of collocation in the shortest period."""
@@ -187,7 +188,6 @@ def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CEL
     return float(total) / (h * len(left))
 
 
-@njit(cache=True)
 def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, gain: ComplexArray) -> None:
     """Add the lower half of C^T W C, where C x = Re sum gain_bk x_bk exp(-i omega_k t), over real and imaginary x.
 
@@ -195,20 +195,17 @@ def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, 
     half the weights, gain has shape (block, harmonic).
     """
     blocks, n = gain.shape
-    for c in range(blocks):
-        for b in range(c, blocks):
-            row, column = 2 * n * b, 2 * n * c
-            for j in range(n):
-                for k in range(n):
-                    apart = toeplitz[k - j] if k >= j else np.conj(toeplitz[j - k])
-                    plain = np.conj(gain[b, k]) * gain[c, j] * apart
-                    mirrored = np.conj(gain[b, k] * gain[c, j]) * hankel[k + j]
-                    out[row + n + k, column + j] += plain.imag + mirrored.imag
-                    if b > c or k >= j:
-                        out[row + k, column + j] += plain.real + mirrored.real
-                        out[row + n + k, column + n + j] += plain.real - mirrored.real
-                    if b > c:
-                        out[row + k, column + n + j] += mirrored.imag - plain.imag
+    apart = sliding_window_view(np.concatenate([toeplitz[:0:-1].conj(), toeplitz]), n)[::-1]
+    together = sliding_window_view(hankel, n)
+    by_column = out.T.reshape(blocks, 2, n, blocks, 2, n)  # block, part and harmonic of column and row
+    for c, b in itertools.combinations_with_replacement(range(blocks), 2):
+        plain = gain[c, :, None] * apart * gain[b].conj()
+        mirrored = gain[c, :, None].conj() * together * gain[b].conj()
+        by_column[c, 0, :, b, 0] += plain.real + mirrored.real
+        by_column[c, 0, :, b, 1] += plain.imag + mirrored.imag
+        by_column[c, 1, :, b, 1] += plain.real - mirrored.real
+        if b > c:
+            by_column[c, 1, :, b, 0] += mirrored.imag - plain.imag
 
 
 class Limits(NamedTuple):
