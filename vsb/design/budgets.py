@@ -8,7 +8,7 @@ an error of it, and said beside.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -19,10 +19,11 @@ from vsb.design.evaluation import RESOLVED, DesignModel
 from vsb.design.problem import POWER, depends, objective
 from vsb.design.take_offs import SeveralYear
 from vsb.design.year import PortYear, band
+from vsb.engine.motion.causal import GridError
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.water import power_limit
-from vsb.results.budget import MODES, Budget, Source
+from vsb.results.budget import MODES, NUMERICAL, Budget, Source
 from vsb.study.design import DIVISORS, OF_RIGID, Objective
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -58,6 +59,7 @@ class PowerParts:
     unsolved: float  # most that waves above the frequencies solved may add [W]
     years: FloatArray | None  # of years drawn again (year,) [W]; None of a table of seas, which has no order
     slopes: Mapping[str, float]  # d ln P/d ln of uncertain inputs [-]
+    grid: GridError = field(default_factory=GridError)  # by the grid of a causal controller
 
 
 def power_parts(
@@ -101,6 +103,7 @@ def power_parts(
         unsolved=_unsolved(buoy.study, climate) / over,
         years=drawn_years(power_of_seas(built, model, climate), climate.hours) if ordered else None,
         slopes=slopes,
+        grid=built.controlled(model).grid_error if built.control else GridError(),
     )
 
 
@@ -209,6 +212,9 @@ def uncertainty(buoys: Sequence[PowerParts], uncertain: Mapping[str, float] | No
     change = abs(of(*(one.finer for one in buoys)) - value)
     least = RESOLVED * sum(map(abs, weights))  # nodes and frequencies aim at no less
     sources.append(Source.within("coefficients and quadrature", max(SAFETY * change, least)))
+    of_grid = buoys[0].grid.over(buoys[1].grid) if len(buoys) == 2 else buoys[0].grid
+    if of_grid.size:
+        sources.append(Source.within(NUMERICAL, weights[0] * of_grid.size))
     if change := of(*(one.reshaped for one in buoys)) - value:
         sources.append(Source.within("shape between the points of the profile", SAFETY * abs(change)))
     if any(one.unsolved for one in buoys):

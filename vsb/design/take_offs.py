@@ -48,11 +48,13 @@ from vsb.engine.motion.causal import (
     KEPT,
     LEAST_WEIGHT,
     Controlled,
+    GridError,
     RmsLimits,
     Slopes,
     StationaryPort,
     StationaryPorts,
     Weights,
+    numerical_error,
     optimum,
     slopes,
     steadiest,
@@ -291,6 +293,11 @@ class ControlledYear:
         return {"damper_same_force": damper.power, "future_known": optimum(self.port, self.limits, 0.0, np.inf).power}
 
     @property
+    def grid_error(self) -> GridError:
+        """Error of the power by the grid."""
+        return _grid_error(self, self.damper.power if self.damper else 0.0)
+
+    @property
     def slopes(self) -> Slopes:
         """Derivatives of power and mean squares by the variables."""
         return self._slopes(self.found, steadiest=not self.keeps_stroke)
@@ -369,6 +376,11 @@ class ControlledPorts:
         return dampers, price, float(self.year.absorbed(dampers).sum())
 
     @property
+    def grid_error(self) -> GridError:
+        """As of `ControlledYear`."""
+        return _grid_error(self, float(self.year.absorbed(self.damper[0]).sum()) if self.damper else 0.0)
+
+    @property
     def binds(self) -> bool:
         """Whether the limit of the force binds."""
         return self.found.weights.force > LEAST_WEIGHT * self.port.largest_loss * (1 + KEPT)
@@ -427,6 +439,12 @@ class ControlledPorts:
         within = RmsLimits(self.found.force_rms)
         known = optimum(self.port, within, 0.0, np.inf).power
         return {"damper_same_force": self._damper_within(within.force)[2], "future_known": known}
+
+
+def _grid_error(year: ControlledYear | ControlledPorts, damped: float) -> GridError:
+    """Error by the grid of a controller, or of a damper that absorbs more, with its power [W]."""
+    error = numerical_error(year.port, year.found, year.control.noise, year.control.forecast)
+    return error.of_damper(year.found.power / damped) if damped else error
 
 
 def _product(one: ComplexArray, other: ComplexArray) -> ComplexArray:

@@ -37,6 +37,8 @@ Rows = Sequence[Mapping[str, Any]]
 """A budget as JSON has it."""
 MODES = "modes left out"
 """Name of the source of error by shell modes that the basis of a study leaves out."""
+NUMERICAL = "time step of the controller"
+"""Of that by the frequencies and time step of a causal controller."""
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ def scheduled(
     own = gain * seen.velocity / seen.admittance
     each = matched / port.matched_power * converted(own, (best.power, best.force, best.speed))
     power = float(each @ share)
-    error = power * numerical_error(port, best, noise, forecast)
+    error = power * numerical_error(port, best, noise, forecast).size
     if stroke <= limits.stroke and damped.power >= power:
         return {SAME_FORCE: damped, CAUSAL: damped.beside(power + error)}
     controlled = Scheduled(power, error, best.force_rms, own, of_seas=each, optimum=(port, best))
@@ -158,7 +158,7 @@ def scheduled_at_ports(pto: Pto, year: Any, squares: FloatArray, ports: Stationa
     limits = RmsLimits(rms_force(pto, float(np.linalg.norm(rms / units))))
     found = optimum(moved, limits, noise, forecast)
     ratio = float(squares @ seen.matched_power) / ports.matched_power
-    error = ratio * found.power * numerical_error(moved, found, noise, forecast)
+    error = ratio * found.power * numerical_error(moved, found, noise, forecast).size
     if power >= ratio * found.power:
         return {SAME_FORCE: damped, CAUSAL: damped.beside(ratio * found.power + error)}
     gain = make_interp_spline(moved.omega, moved.controller(found.weights, noise, forecast), k=1)(seen.omega)

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.hydro.database import Check, check_at_most
-from vsb.engine.motion.causal import RmsLimits, Stationary, numerical_error, optimum
+from vsb.engine.motion.causal import GridError, RmsLimits, Stationary, numerical_error, optimum
 from vsb.engine.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
@@ -62,7 +62,7 @@ from vsb.models.stationary import (
     stationary_ports,
 )
 from vsb.models.take_off import dragged_port, given_matrix, matrix_kind
-from vsb.results.budget import MODES, Budget, Rows, Source, modes_left_out
+from vsb.results.budget import MODES, NUMERICAL, Budget, Rows, Source, modes_left_out
 from vsb.study.study import Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.words import csv_text
@@ -91,7 +91,6 @@ MOST_HARMONICS = 1024
 NAMED = 6
 """Ports up to which the damper matrix is reported."""
 STILL = "waves do not move this port"
-NUMERICAL = "time step of the controller"
 DAMPER_BETTER = "a damper absorbs no less than the controller with this noise"
 SPREAD_DRAG = "beside quadratic drag causal control is known in seas of one direction alone"
 FORCE_WITH_DRAG = "beside quadratic drag the rms force is that of the optimal damper; remove pto.control.force_rms"
@@ -120,7 +119,7 @@ class ControlLevel(NamedTuple):
     gain_error: Rows | None = None  # of its gain over the reference [percentage points]; None of the reference
     noise: float | None = None  # of what a causal controller measures, see `vsb.engine.motion.take_off.Control` [-]
     forecast: float | None = None  # how far ahead it knows the waves [s]
-    numerical: float = 0.0  # relative error of the power by the grid of a controller [-]
+    numerical: GridError = GridError()  # by the grid of a causal controller
 
 
 COLUMNS = (*ControlLevel._fields[: ControlLevel._fields.index("note")], "low", "high", "noise", "forecast")
@@ -532,15 +531,15 @@ def causal_level(
     share = best.converted(pto.efficiency) / port.matched_power
     power = share * (matched.power_mean or 0.0)
     if stroke <= limits.stroke and (damper.power_mean or 0.0) >= power:
-        return _damper_better(damper, pto.control, power * (1 + away))
+        return _damper_better(damper, pto.control, power, away)
     rms = None if damper.force_rms is None else best.force_rms  # of several forces without a unit in common
     return unknown._replace(power_mean=power, limit_fraction=share, force_rms=rms, numerical=away)
 
 
-def _damper_better(damper: ControlLevel, control: Control, most: float) -> ControlLevel:
-    """The level `causal` where a controller absorbs less than the damper, and `most` with its error [W]."""
-    beyond = max(most / damper.power_mean - 1, 0.0) if damper.power_mean else 0.0
-    own = damper._replace(noise=control.noise, forecast=control.forecast, numerical=beyond)
+def _damper_better(damper: ControlLevel, control: Control, power: float, error: GridError) -> ControlLevel:
+    """The level `causal` where a controller absorbs less than the damper, its power [W] and error."""
+    error = error.of_damper(power / damper.power_mean) if damper.power_mean else GridError()
+    own = damper._replace(noise=control.noise, forecast=control.forecast, numerical=error)
     return own._replace(rung=CAUSAL, note=DAMPER_BETTER)
 
 
@@ -578,7 +577,7 @@ def causal_levels_with_drag(
         power, dampers = share * matched.power_mean, ", ".join(f"{d:.4g}" for d in own.damping)
         away = numerical_error(own.port, own.best, noise, forecast)
         if (best.power_mean or 0.0) >= power:
-            found.append(_damper_better(best, pto.control, power * (1 + away)))
+            found.append(_damper_better(best, pto.control, power, away))
             continue
         found.append(
             unknown._replace(
@@ -706,8 +705,12 @@ def with_errors(
         of_power, of_gain = budgets.get((level.design, level.wave, level.rung), (Budget(), None))
         if level.gap:
             of_power += Budget((Source("optimum not proven", 0.0, level.power_mean * level.gap / (1 - level.gap)),))
-        if level.numerical:
-            of_power += Budget((Source.within(NUMERICAL, level.power_mean * level.numerical),))
+        if level.rung == CAUSAL:
+            of_power += Budget((Source.within(NUMERICAL, level.power_mean * level.numerical.size),))
+            base = by_sea[level.wave].get((reference or "", CAUSAL))
+            if of_gain is not None and base is not None and base.power_mean:
+                together = level.numerical.size + base.numerical.size
+                of_gain += Budget((Source.within(NUMERICAL, 100 * level.power_mean / base.power_mean * together),))
         low, high = of_power.interval(level.power_mean)
         gain_rows = None if of_gain is None else of_gain.rows
         found.append(level._replace(low=low, high=high, power_error=of_power.rows, gain_error=gain_rows))
