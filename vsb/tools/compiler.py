@@ -52,7 +52,7 @@ def cache_folder() -> Path:
 
 
 FOLDER = cache_folder()
-numba.config.CACHE_DIR = str(FOLDER)  # type: ignore[attr-defined]
+numba.config.CACHE_DIR = str(FOLDER)
 
 
 class _Turn:
@@ -81,15 +81,15 @@ class _Turn:
 _TURN = _Turn()
 
 
-class _Cache(FunctionCache):
+class _Cache(FunctionCache):  # type: ignore[misc]
     """Compiled loops in files; what is in none is compiled in turn."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return a compiled loop, or None: it is to be compiled now, and then kept by `save_overload`."""
-        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        found = super().load_overload(sig, target_context)
         if found is None:
             _TURN.begin()  # another process may compile it meanwhile
-            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            found = super().load_overload(sig, target_context)
             if found is not None:
                 _TURN.end()
         return found
@@ -97,7 +97,7 @@ class _Cache(FunctionCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a loop that was compiled."""
         try:
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            super().save_overload(sig, data)
         finally:
             _TURN.end()
 
@@ -105,5 +105,5 @@ class _Cache(FunctionCache):
 def compiled(function: Callable[..., Any], **options: Any) -> Any:
     """Return a loop compiled by numba with these options, and kept between runs."""
     loop: Any = numba.njit(**options)(function)
-    loop._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    loop._cache = _Cache(function)
     return loop

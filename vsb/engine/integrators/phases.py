@@ -116,7 +116,7 @@ def solve_nodes(
         places, times = _places(positions[known:], time[known:], 1e-6 * scale, newton)
         force = added(r, times, places)
         missing = np.zeros(nodes * free)
-        missing[known * free :] = force[: nodes - known].ravel() - now[known * free :]
+        assign(missing[known * free :], force[: nodes - known].ravel() - now[known * free :])
         size = np.sqrt(np.sum(missing**2))
         if newton and not size < least:
             share /= 2
