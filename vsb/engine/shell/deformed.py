@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,11 +43,25 @@ _FINER = 15
 """Subdivisions of the grid for finding curls."""
 AT_ONCE = 512
 """Points at which shapes are tabulated at a time: for thousands of shapes some 100 MB."""
+TABLE = 200_000
+"""Entries of a table of Legendre polynomials that is kept at most."""
 
 
 def _parts(points: FloatArray) -> list[FloatArray]:
     """Points in parts of at most `AT_ONCE`, at least one."""
     return np.array_split(points, max(1, -(-len(points) // AT_ONCE)))
+
+
+def _grid(turns: int) -> FloatArray:
+    """Colatitudes that resolve the highest degree of a meridian, pole to pole, shape (point,) [rad]."""
+    return np.linspace(0.0, np.pi, 40 * (turns + 1) + 1)
+
+
+@lru_cache(maxsize=4)
+def _rest_on_grid(shell: Shell, turns: int, degree: int) -> tuple[Curve, FloatArray]:
+    """The meridian at rest on the grid, and the Legendre polynomials there: of all shapes of a shell."""
+    grid = _grid(turns)
+    return shell.at_rest(grid), legvander(np.cos(grid), degree)
 
 
 @dataclass(frozen=True)
@@ -118,11 +132,15 @@ class DeformedShell:
 
     def curve(self, colatitude: FloatArray) -> Curve:
         """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
-        at = self.basis.shell.at_rest(colatitude)
+        return self._displaced(colatitude, self.basis.shell.at_rest(colatitude))
+
+    def _displaced(self, colatitude: FloatArray, at: Curve, polynomials: FloatArray | None = None) -> Curve:
+        """The same from the meridian at rest there, and the Legendre polynomials, if known."""
         if not self.modal_amplitude.any():
             return at._replace(z=self.centre_height + at.z)
         sin, cos = np.sin(colatitude), np.cos(colatitude)
-        summed = legvander(cos, len(self._series) - 1) @ self._series
+        known = legvander(cos, len(self._series) - 1) if polynomials is None else polynomials
+        summed = known @ self._series
         v, slope, first, second = (summed[..., i] for i in range(4))
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
@@ -167,15 +185,18 @@ class DeformedShell:
         axial[: len(of_height)] += of_height
         return radial, axial
 
-    @cached_property
+    @property
     def _grid(self) -> FloatArray:
         """Colatitudes that resolve the highest degree, pole to pole, shape (point,) [rad]."""
-        return np.linspace(0.0, np.pi, 40 * (self.basis.turns + 1) + 1)
+        return _grid(self.basis.turns)
 
     @cached_property
     def _on_grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Radius, height and slope dx/dphi of the meridian there."""
-        x, z, dx = zip(*(self.curve(part)[:3] for part in _parts(self._grid)), strict=True)
+        grid, degree = self._grid, self.basis.highest_degree
+        if len(grid) * degree <= TABLE:
+            return self._displaced(grid, *_rest_on_grid(self.basis.shell, self.basis.turns, degree))[:3]
+        x, z, dx = zip(*(self.curve(part)[:3] for part in _parts(grid)), strict=True)
         return np.concatenate(x), np.concatenate(z), np.concatenate(dx)
 
     @cached_property

@@ -18,8 +18,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from scipy.linalg import eigh
-from scipy.special import legendre_p_all
 
 from vsb.engine.shell.meridian import ClosedMeridian, bend, curve, length, meridian_rule
 from vsb.engine.shell.shell import Shell
@@ -299,6 +299,15 @@ def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArra
     -------
     tuple of ndarray, each shape (degree + 1, point) [-]
     """
-    cos, sin = np.cos(colatitude), np.sin(colatitude)
-    p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
-    return p, -sin * dp, sin**2 * ddp - cos * dp
+    cos, n = np.cos(colatitude), np.arange(degree + 1.0)[:, None]
+    p = legvander(cos, degree).T
+    by_cos = _slopes(degree) @ p
+    return p, -np.sin(colatitude) * by_cos, cos * by_cos - n * (n + 1) * p  # by Legendre's equation
+
+
+@lru_cache
+def _slopes(degree: int) -> FloatArray:
+    """Derivatives of P_n in terms of P_k, 2k + 1 for k = n - 1, n - 3, ..., shape (n, k)."""
+    n = np.arange(degree + 1)
+    below = n[:, None] - n
+    return np.where((below > 0) & (below % 2 == 1), 2.0 * n + 1, 0.0)
