@@ -271,14 +271,13 @@ class Ports:
         price : float [m/(N s)]
             Less this times the mean square of all forces.
         """
-        velocity = self.velocity_under(damping)
+        inverse = np.linalg.inv(np.eye(len(damping)) + self.admittance @ damping)
+        velocity = (inverse @ self.velocity[..., None])[..., 0]
         force = velocity @ damping
-        beyond = velocity - np.einsum("wji,wj->wi", self.admittance.conj(), force) - 2 * price * force
-        loaded = np.eye(len(damping)) + self.admittance.conj().swapaxes(1, 2) @ damping
-        adjoint = np.linalg.solve(loaded, beyond[..., None])[..., 0]
-        paid = velocity - price * force
-        power = 0.5 * float(squares @ np.real(np.einsum("wi,wi->w", paid.conj(), force)))
-        slope = 0.5 * np.real(np.einsum("w,wi,wj->ij", squares, adjoint.conj(), velocity))
+        beyond = velocity - (self.admittance.conj() @ force[..., None])[..., 0] - 2 * price * force
+        adjoint = (inverse @ beyond.conj()[..., None])[..., 0]  # conjugate: Y is symmetric
+        power = 0.5 * float(squares @ np.real(((velocity - price * force).conj() * force).sum(axis=1)))
+        slope = 0.5 * np.real((squares[:, None] * adjoint).T @ velocity)
         return power, (slope + slope.T) / 2
 
     def force_rms(self, damping: FloatArray, squares: FloatArray) -> FloatArray:

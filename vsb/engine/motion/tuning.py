@@ -496,6 +496,8 @@ DRAWN = 64
 """Damper matrices tried first, drawn about the ports' own impedances, always the same ones."""
 CLIMBED = 4
 """The best of them that are followed to a maximum."""
+AT_ONCE = 500_000
+"""Entries of admittances under damper matrices that are tried at a time: some 30 MB."""
 SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
 ALONG = np.arange(-8.0, 9.0)
@@ -563,14 +565,17 @@ def best_matrix(
         power, slope = seen.power_and_slope(damping, weights, price)
         return -power / limit, -pull(slope) / limit
 
-    def power(x: FloatArray) -> float:
-        damping, _ = form.matrix(x, unit)
-        return float(weights @ seen.power(damping)) - price * float((seen.force_rms(damping, weights) ** 2).sum())
+    def powers_of(points: Sequence[FloatArray]) -> FloatArray:
+        dampers = np.array([form.matrix(x, unit)[0] for x in points])
+        velocity = seen.velocity_under(dampers)
+        force = velocity @ dampers
+        return np.asarray(0.5 * np.real(((velocity - price * force).conj() * force).sum(axis=-1)) @ weights)
 
     starts = (
         form.starts(np.random.default_rng(count)) if near is None else [form.of_matrix(near / np.outer(unit, unit))]
     )
-    powers = np.array([power(x) for x in starts])
+    at_once = max(1, AT_ONCE // seen.admittance.size)
+    powers = np.concatenate([powers_of(starts[i : i + at_once]) for i in range(0, len(starts), at_once)])
     if kind == "uniform" and near is None:
         beside = np.pad(powers, 1, constant_values=-np.inf)
         followed = [starts[i] for i in np.flatnonzero((powers >= beside[:-2]) & (powers >= beside[2:]))]
