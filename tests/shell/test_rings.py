@@ -158,7 +158,7 @@ def whole_compliance(height, slenderness, colatitude):
     return KinkModes(shell, 1, (normal_to_wall(colatitude),), (0.0,))._under_loads[1].item()
 
 
-@pytest.mark.parametrize("height", [2.4, 4.0, 6.0])
+@pytest.mark.parametrize("height", [2.4, 6.0])
 def test_compliance_of_thin_walls_is_that_of_reissner_and_geckeler(height):
     """Point load (Reissner 1946), w = sqrt(12 (1 - nu^2)) P R/(8 E h^2), R the radius of curvature at the pole, to the
     order h/R; line load around the equator (Geckeler 1926), w = beta r F/(4 pi E h), to sqrt(h/r), extrapolated."""

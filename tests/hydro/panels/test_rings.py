@@ -109,15 +109,28 @@ def test_table_of_the_green_function_is_computed_once_for_all_folders_of_a_machi
     assert [file.name for file in (tmp_path / "results" / "green").glob("*.npz")] == [table.name]
 
 
+@pytest.fixture(scope="module")
+def tabulation():
+    """Capytaine's computation of a table, of each size once."""
+    compute, known = bem.cpt.Delhommeau._create_tabulation, {}
+
+    def computed(own, *size):
+        if size not in known:
+            compute(own, *size)
+            known[size] = {name: value for name, value in vars(own).items() if name.startswith("tabulated")}
+        vars(own).update(known[size])
+
+    return computed
+
+
 @pytest.mark.parametrize("writable", [True, False])
-def test_table_of_the_cross_check_is_computed_once_on_a_machine(tmp_path, monkeypatch, writable):
+def test_table_of_the_cross_check_is_computed_once_on_a_machine(tmp_path, monkeypatch, writable, tabulation):
     """Or each time where none can be kept; the one kept gives the same influences."""
     monkeypatch.setenv("CAPYTAINE_CACHE_DIR", str(tmp_path / "kept"))
     if not writable:
         (bem._kept_tables() / "quick").write_text("a file, no folder", encoding="utf-8")
     computed = []
-    compute = bem.cpt.Delhommeau._create_tabulation
-    monkeypatch.setattr(bem.cpt.Delhommeau, "_create_tabulation", lambda *a: (computed.append(1), compute(*a))[1])
+    monkeypatch.setattr(bem.cpt.Delhommeau, "_create_tabulation", lambda *a: (computed.append(1), tabulation(*a))[1])
     first, second = (bem.quick_green_function.__wrapped__() for _ in range(2))
     assert len(computed) == 2 - writable
     np.testing.assert_array_equal(first.tabulated_integrals, second.tabulated_integrals)
