@@ -1,7 +1,6 @@
 """The command line: commands for people, and one per rule of the workflow."""
 
 import argparse
-import gc
 import json
 import os
 import re
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import argcomplete
 
+import vsb.tools.garbage
 import vsb.tools.threads  # noqa: F401  before NumPy is loaded
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from vsb.engine.hydro.database import Check
 
 Handler = Callable[[argparse.Namespace], int]
-YOUNG = 10_000
-"""New objects after which Python looks for garbage; by its default, 700, that takes a twelfth of a command's time."""
 FIRST = """a study of your own:
   vsb init my.yaml      write a commented file
   vsb check my.yaml     show its CPU time and warnings
@@ -490,7 +488,6 @@ def _mistake(text: str, config: str | None = None) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
-    gc.set_threshold(YOUNG)
     line = parser()
     argcomplete.autocomplete(line)  # ends here if a shell asks what may follow
     return answer(line, argv)

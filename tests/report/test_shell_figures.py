@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from vsb.report import shell_figures as figures
-from vsb.report.canvas import STYLES, StudyData, style
+from vsb.report.canvas import STYLES, StudyData, data_csv, in_words, style
 from vsb.report.shell_figures import sketch, sketches
 from vsb.study.study import parse
 
@@ -40,13 +40,26 @@ def data(breathing=0.01):
 
 def test_snapshots_at_five_instants_of_the_last_period():
     figure = figures.snapshots(data(), "w")
-    assert len(figure.axes) == 10
-    assert [ax.get_title() for ax in figure.axes[:5]] == [f"t = {t:.2f} s" for t in (5.0, 6.0, 7.0, 8.0, 9.0)]
-    outline = figure.axes[6].get_lines()[-1]
-    x, z = outline.get_xdata(), outline.get_ydata()
+    (ax,) = figure.axes
+    times = [f"t = {t:.2f} s" for t in (5.0, 6.0, 7.0, 8.0, 9.0)]
+    assert [text.get_text() for text in ax.texts] == ["FSB", "VSWEC", *times]
+    assert len(ax.lines) == 10
+    level = 0.1 * np.cos(6.0)
+    outline = ax.lines[6]
+    assert outline.get_label() == f"_VSWEC, t = 6.00 s, water at {level:.4g} m"
+    x, z = outline.get_data()
     swell = 20.0 * 0.01 * np.sin(2 * np.pi * 6.0 / 5.0)
     centre = 0.2 * np.sin(2 * np.pi * 6.0 / 5.0)
     np.testing.assert_allclose(np.hypot(x, z - centre), 2.0 + swell, rtol=1e-9)
+    water, surface, rest = ax.collections
+    (left, _), (right, top) = water.get_paths()[6].get_extents().get_points()
+    assert surface.get_paths()[6].vertices == pytest.approx(np.array([[right, top], [left, top]]))
+    place = outline.get_transform() - ax.transData
+    assert place.transform((0.0, level))[1] == pytest.approx(top)
+    assert place.transform((0.0, 0.0))[0] == pytest.approx((left + right) / 2)
+    np.testing.assert_allclose(
+        np.hypot(*(place.inverted().transform(rest.get_paths()[6].vertices) - [0, centre]).T), 2.0
+    )
 
 
 def bulging():
@@ -71,30 +84,46 @@ def test_extreme_shape_is_the_lowest_within_the_window():
 
 
 def test_wires_in_space_lie_on_the_deformed_shell():
-    """At the start and at the least and greatest height, magnified as the title says."""
+    """At the start and at the least and greatest height, magnified as the title says; seen from above."""
     given, swell = bulging()
     figure = figures.shapes_3d(given, "w")
-    assert [ax.get_title() for ax in figure.axes] == [
-        "start\nt = 0.00 s", "smallest height\nt = 6.00 s", "largest height\nt = 4.00 s"
-    ]  # fmt: skip
-    title = "VSWEC, height between the poles, shell displacement magnified 20 times; z in m"
+    (ax,) = figure.axes
+    title = "VSWEC, height between the poles; shell displacement magnified 20 times"
     assert figure.get_suptitle() == title
-    for ax, at in zip(figure.axes, (0, 60, 40), strict=True):
-        points = np.concatenate([np.stack(np.broadcast_arrays(*line.get_data_3d()), 1) for line in ax.lines])
-        size = np.linalg.norm(points, axis=1)
-        np.testing.assert_allclose(size, 2.0 + 0.3 * points[:, 2] / size + 20.0 * swell[at], rtol=1e-9)
-        (low, high), *others = ax.get_xlim(), ax.get_ylim(), ax.get_zlim()
-        assert others == [(low, high)] * 2
-        assert low == -high < -np.abs(points).max()
-        assert len(set(ax.get_box_aspect())) == 1
-        assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES[0][0].lower()}
+    names, heights = ("start", "smallest height", "largest height"), 4.0 + 2 * swell[[0, 60, 40]]
+    words = [f"{n}\nt = {t:.2f} s, {h:.3f} m" for n, t, h in zip(names, (0.0, 6.0, 4.0), heights, strict=True)]
+    assert [text.get_text() for text in ax.texts] == words
+    meridians = [line for line in ax.lines if line.get_label() != "_"]
+    assert [line.get_label() for line in meridians] == [f"_{name}" for name in names]
+    for line, at in zip(meridians, (0, 60, 40), strict=True):
+        x, z = line.get_data()
+        np.testing.assert_allclose(np.hypot(x, z), 2.0 + 0.3 * z / np.hypot(x, z) + 20.0 * swell[at], rtol=1e-9)
+    assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES[0][0].lower()}
+    back, front, meridian = ax.lines[:3]
+    x, z = meridian.get_data()
+    for half, behind in ((back, 1.0), (front, -1.0)):
+        across, up = half.get_data()
+        size = len(x)
+        np.testing.assert_allclose(across[:size], x)  # the meridian beside
+        np.testing.assert_allclose(up[:size], z * np.cos(figures.ELEVATION))
+        middle = slice(3 * (size + 1), 3 * (size + 1) + size)  # the one a quarter around
+        np.testing.assert_allclose(across[middle], 0.0, atol=1e-9)
+        rise = behind * x * np.sin(figures.ELEVATION)
+        np.testing.assert_allclose(up[middle], z * np.cos(figures.ELEVATION) + rise)
 
 
 def test_mode_of_order_one_moves_both_meridians_the_same_way():
     """About a body that is not a sphere."""
     given, phi = data(), PHI
     five = given.modes.isel(mode=[0] * 5).assign_coords(mode=[f"M{k}" for k in range(5)])
-    assert len(figures.mode_shapes(replace(given, modes=five)).axes) == 8
+    figure = figures.mode_shapes(replace(given, modes=five))
+    (ax,) = figure.axes
+    assert [line.get_label() for line in ax.lines[1::2]] == [f"_M{k}" for k in range(5)]
+    words = "; ".join(f"M{k} 51.40 rad/s dry" for k in range(5))
+    assert in_words(figure) == f"Shell modes (black: undeformed). {words}"
+    rows = [line.split(",") for line in data_csv(figure).splitlines()[1:]]
+    assert list(dict.fromkeys(row[1] for row in rows)) == ["undeformed", "M0", "M1", "M2", "M3", "M4"]
+    np.testing.assert_allclose(np.hypot(*np.array([row[2:4] for row in rows[:38]], dtype=float).T), 1.0, rtol=1e-5)
     rest = {"rest_radial": ("colatitude", 0.4 * np.cos(phi) ** 2), "rest_meridional": ("colatitude", 0 * phi)}
     sideways = {
         "radial": (("mode", "colatitude"), [np.sin(phi)]),

@@ -12,6 +12,7 @@ import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 
 import matplotlib as mpl
@@ -19,8 +20,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.backends.backend_mixed import MixedModeRenderer
+from matplotlib.backends.backend_svg import FigureCanvasSVG, RendererSVG
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from vsb.report.answer import lowest
@@ -100,13 +104,26 @@ def grid_of_axes(
 
     Its `layout` is that of `lay_out`, which leaves no room for bars of colours: those need a constrained one.
     """
+    figure = _page(height, layout)
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def sheet(height: float) -> tuple[Figure, Axes]:
+    """A figure of page width, drawn on in inches: for many small shapes, each of which would need its own axes."""
+    figure = _page(height)
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, WIDTH), ylim=(0.0, height), frame_on=False)
+    ax.set_axis_off()
+    return figure, ax
+
+
+def _page(height: float, layout: Literal["constrained"] | None = None) -> Figure:
+    """An empty figure with our looks."""
     mpl.rcdefaults()
     mpl.rcParams.update({
         "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.3, "svg.hashsalt": "vsb",
         "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False, "font.family": "DejaVu Sans",
     })  # fmt: skip
-    figure = Figure(figsize=(WIDTH, height), layout=layout)
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    return Figure(figsize=(WIDTH, height), layout=layout)
 
 
 def legend_above(figure: Figure, *axes: Axes) -> None:
@@ -163,8 +180,8 @@ def number_decades(axis: Axis) -> None:
     """Number a logarithmic axis by powers of ten, written as letters; one of few decades as 5, 10, 20."""
     low, high = sorted(axis.get_view_interval())
     few = high < FEW_DECADES * low
-    if few:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_minor_locator(LogLocator(subs=range(2, 10) if few else (2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value) if few else _power_of_ten(value)))
     axis.set_minor_formatter(NullFormatter())
 
@@ -269,10 +286,14 @@ def lay_out(figure: Figure) -> None:
 
     Labels are measured once, where a constrained layout of matplotlib's does so twice.
     """
-    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
-        if isinstance(axis.get_major_formatter(), LogFormatterSciNotation):
-            number_decades(axis)
-    if figure.get_layout_engine():
+    for ax in (ax for one in figure.axes for ax in (one, *one.child_axes)):
+        ax.spines[:].set_in_layout(False)  # within what is measured
+        for axis in (ax.xaxis, ax.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatterSciNotation):
+                number_decades(axis)
+            if not axis.get_label_text():
+                axis.set_label_coords(0.0, 0.0)  # else tick labels are measured to place it
+    if figure.get_layout_engine() or not any(ax.get_subplotspec() for ax in figure.axes):
         return
     height, above = figure.get_figheight(), sum(one.get_window_extent().height for one in figure.legends) / figure.dpi
     figure.set_figheight(height - above)
@@ -282,11 +303,34 @@ def lay_out(figure: Figure) -> None:
     figure.subplots_adjust(top=share * figure.subplotpars.top, bottom=share * figure.subplotpars.bottom)
 
 
+@lru_cache(4096)
+def _text_size(text: str, font: FontProperties, is_math: Any) -> tuple[float, float, float]:
+    """Width, height and descent of a text [pt]: figures have many in common, and to measure one takes long."""
+    return text_to_path.get_text_width_height_descent(text, font, is_math)
+
+
+class _Renderer(RendererSVG):
+    """Writes SVG."""
+
+    def get_text_width_height_descent(self, s: str, prop: FontProperties, ismath: Any) -> tuple[float, float, float]:
+        """Measure a text [pt]."""
+        return _text_size(s, prop, ismath)
+
+
 def svg_text(figure: Figure) -> str:
     """Return a figure as SVG without a date; drawn once, where `savefig` draws all of it twice to lay it out."""
+    text, dpi, canvas = io.StringIO(), figure.dpi, figure.canvas
+    figure.set_dpi(72)
+    width, height = figure.get_size_inches()
+    about: Any = {"Date": None, "Creator": "vsb"}
+    writer = _Renderer(72 * width, 72 * height, text, image_dpi=dpi, metadata=about)  # type: ignore[no-untyped-call]
+    renderer: Any = MixedModeRenderer(figure, width, height, dpi, writer)  # type: ignore[no-untyped-call]
+    measured: Any = FigureCanvasSVG(figure)
+    measured.get_renderer = lambda: renderer  # for the layout
     lay_out(figure)
-    text, dpi, canvas = io.StringIO(), figure.dpi, FigureCanvasSVG(figure)
-    canvas.print_svg(text, metadata={"Date": None, "Creator": "vsb"})  # type: ignore[no-untyped-call]
+    figure.draw(renderer)
+    renderer.finalize()
+    figure.set_canvas(canvas)
     figure.set_dpi(dpi)
     return text.getvalue()
 
@@ -353,8 +397,8 @@ def in_words(figure: Figure) -> str:
         elif ranges:
             what = _one_line(ax.get_ylabel() or ax.get_title())
             parts.append(f"{what} over {_one_line(_x_label(figure, ax))}: {', '.join(ranges)}")
-        elif ax.get_title():
-            parts.append(_one_line(ax.get_title()))
+        elif ax.get_title() or not ax.axison:
+            parts.append(_one_line(ax.get_title()) or "; ".join(_one_line(text.get_text()) for text in ax.texts))
     title = figure.get_suptitle()
     return ". ".join([*([_one_line(title)] if title else []), *parts])
 
@@ -362,7 +406,7 @@ def in_words(figure: Figure) -> str:
 def data_csv(figure: Figure) -> str:
     """Return the points of all curves, bars and maps of a figure, as far as it shows them, a row each.
 
-    A bin of a map that is not coloured has no value.
+    A bin of a map that is not coloured has no value. A curve whose label is _ is none of the data.
     """
     text = [csv_text(["axes", "series", "x", "y", "value"], [])]
     for i, ax in enumerate(figure.axes):
@@ -379,10 +423,10 @@ def data_csv(figure: Figure) -> str:
 
 def _points(ax: Axes) -> Iterator[tuple[str, FloatArray]]:
     """Name and points (point, 2 or 3) of all data drawn on axes."""
-    for i, line in enumerate(ax.get_lines()):
+    for i, line in enumerate(line for line in ax.get_lines() if line.get_label() != "_"):
         label = str(line.get_label())
-        points = _shown(ax, line) if ax.name != "3d" else line.get_data_3d()  # type: ignore[attr-defined]
-        yield label if not label.startswith("_") else f"line {i + 1}", np.column_stack(points)
+        points = _shown(ax, line) if ax.axison else line.get_data()
+        yield f"line {i + 1}" if label.startswith("_child") else label.removeprefix("_"), np.column_stack(points)
     for bars in ax.containers:
         boxes = [(patch.get_x() + patch.get_width(), patch.get_y() + patch.get_height()) for patch in bars]
         yield str(bars.get_label()), np.array(boxes, dtype=float)

@@ -82,7 +82,7 @@ def added_mass_damping(data: StudyData) -> Figure:
         if not database.added_mass.sel(own).any():  # pitch about a sphere's centre moves no water
             continue
         line = {"color": "black" if i == 0 else colours(i - 1), "label": label if i < MOST_NAMED else f"_{label}"}
-        if i == 0:  # above a mode that moves the same water, which is seen between its dots
+        if motion_of(str(label)) == "Heave":  # above a mode that moves the same water, which is seen between its dots
             line |= {"linestyle": (0, (1, 1.5)), "linewidth": 2.2, "zorder": 3}
         top.plot(database.omega, database.added_mass.sel(own), **line)
         top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
@@ -122,9 +122,11 @@ def witness(data: StudyData) -> Figure:
     """Draw differences of two solvers with their estimated errors, heave's coefficients by shape, and derivatives."""
     ds = data.witness
     derived = "slope_difference" in ds
-    figure, axes = grid_of_axes(9.0 if derived else 6.0, 2 + derived, 1, height_ratios=[3, 3, 3][: 2 + derived])
+    figure, axes = grid_of_axes(8.2 if derived else 5.2, 2 + derived, 1)
     _draw_differences(axes[0, 0], ds.witness_difference, ds.witness_estimate.sum("solver"), "shape")
     axes[0, 0].set(ylabel="difference of two solvers [-]")
+    axes[0, 0].sharex(axes[1, 0])
+    axes[0, 0].tick_params(labelbottom=False)
     _draw_heave(axes[1, 0], ds)
     if derived:
         _draw_differences(axes[2, 0], ds.slope_difference, ds.slope_estimate, "shape_dof")
@@ -133,13 +135,13 @@ def witness(data: StudyData) -> Figure:
 
 
 def _draw_differences(ax: Axes, apart: xr.DataArray, expected: xr.DataArray, dim: str) -> None:
-    """Largest difference at any frequency of each coefficient; bars reach up to its estimated errors."""
+    """Largest difference at any frequency of each coefficient, and the sum of its estimated errors."""
     names = [str(name) for name in apart[dim].values]
     place = np.arange(len(names))
     for i, (coefficient, (label, colour, marker)) in enumerate(_COEFFICIENTS.items()):
-        x, allowed = place + 0.24 * (i - 1), expected.sel(coefficient=coefficient).values
-        bar = "sum of their estimated errors" if i == 0 else None
-        ax.bar(x, allowed, 0.2, color="#999999", alpha=0.35, label=bar)
+        x, allowed = place + 0.24 * (i - 1), expected.sel(coefficient=coefficient)
+        name = "sum of their estimated errors" if i == 0 else f"_estimated errors of {label}"
+        ax.plot(x, allowed, "_", color="#999999", markersize=6, markeredgewidth=2, label=name)
         found = apart.sel(coefficient=coefficient).max("omega")
         ax.plot(x, found, marker, color=colour, markersize=4, linestyle="none", label=label)
     least, most = float(apart.max("omega").min()), float(max(apart.max(), expected.max()))

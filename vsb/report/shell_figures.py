@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D, Transform
 
 from vsb.engine.hydro.dofs import flexible
 from vsb.engine.hydro.variables import RIGID, is_of_ring
 from vsb.engine.shell.orders import goes_with_sine
-from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style, title_above
+from vsb.report.canvas import WIDTH, StudyData, folded, grid_of_axes, panels, sheet, style, title_above
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -23,52 +25,78 @@ MOST_SHAPES = 24
 
 def mode_shapes(data: StudyData) -> Figure:
     """Draw the undeformed circle and each deformed meridian, the paper's Fig. 4; of many modes the lowest degrees."""
-    modes, columns, total = data.modes, 4, data.modes.sizes["mode"]
+    modes, total = data.modes, data.modes.sizes["mode"]
     if total > MOST_SHAPES:
         modes = modes.isel(mode=np.argsort(modes.degree.values, kind="stable")[:MOST_SHAPES])
-    count = modes.sizes["mode"]
-    rows = max(1, math.ceil(count / columns))
-    figure, axes = grid_of_axes(0.4 + 1.75 * rows, rows, columns)
+    count, columns, title = modes.sizes["mode"], 5, 0.25  # the last and the next two in inches
+    side, text = WIDTH / columns, 0.32
+    figure, ax = sheet(title + max(1, math.ceil(count / columns)) * (side + text))
     phi, rest = modes.colatitude.values, _beyond_sphere(modes) / float(modes.attrs.get("radius", 1.0))
-    for ax in axes.flat:
-        ax.set_axis_off()
-        ax.set(aspect="equal", xticks=[], yticks=[])  # ticks would be measured, unseen as they are
-    for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
-        shape = modes.sel(mode=mode)
-        v, u = shape.radial.values, shape.meridional.values
+    undeformed, shapes = _closed(*2 * [_half(1.0, phi, *rest)]), []
+    sides = np.broadcast_to(_opposite(modes), count)
+    for v, u, degree, opposite in zip(
+        modes.radial.values, modes.meridional.values, modes.degree.values, sides, strict=True
+    ):
         shortened = float(-(v + np.gradient(u, phi)).min())  # of the meridian: drawn larger, it would fold into cusps
-        amplitude = min(0.25 / max(1.0, float(shape.degree) / 2) ** 0.7, 0.4 / max(shortened, 1e-9))
-        v, u = amplitude * v, amplitude * u
-        sides = (1.0, _opposite(modes.sel(mode=mode)))
-        halves = [_half(1.0, phi, *(rest + side * np.array([v, u]))) for side in sides]
-        ax.plot(*_closed(*2 * [_half(1.0, phi, *rest)]), color="black", linewidth=0.8)
-        ax.plot(*_closed(*halves), color="#D55E00")
-        ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
+        amplitude = min(0.25 / max(1.0, float(degree) / 2) ** 0.7, 0.4 / max(shortened, 1e-9))
+        halves = (_half(1.0, phi, *(rest + sign * amplitude * np.array([v, u]))) for sign in (1.0, opposite))
+        shapes.append(_closed(*halves))
+    scale = (side / 2 - 0.03) / max(float(np.abs(shape).max()) for shape in (undeformed, *shapes))
+    for i, (mode, frequency, shape) in enumerate(
+        zip(modes.mode.values, modes.dry_frequency.values, shapes, strict=True)
+    ):
+        x, top = (i % columns + 0.5) * side, figure.get_figheight() - title - i // columns * (side + text)
+        place = _place(ax, x, top - text - side / 2, scale)
+        ax.plot(*undeformed, color="black", linewidth=0.8, transform=place, label="_" if i else "_undeformed")
+        ax.plot(*shape, color="#D55E00", transform=place, label=f"_{mode}")
+        ax.text(x, top - text, f"{mode}\n{frequency:.2f} rad/s dry", fontsize=8, ha="center")
     some = f"{count} of {total} shell modes" if count < total else "Shell modes"
-    title = f"{some} (black: undeformed)" if count else "A rigid study has no shell modes"
-    title_above(figure, title)
+    title_above(figure, f"{some} (black: undeformed)" if count else "A rigid study has no shell modes")
     return figure
+
+
+def _place(ax: Axes, x: float, y: float, width: float, height: float | None = None) -> Transform:
+    """Where on a `sheet` something is drawn that has its own coordinates; so large is a unit of them [inch]."""
+    return Affine2D().scale(width, height).translate(x, y) + ax.transData
 
 
 def snapshots(data: StudyData, wave: str) -> Figure:
     """Draw the deformed buoys in the wave at five instants of the last period, deformation magnified."""
-    columns = 5
-    figure, axes = grid_of_axes(0.5 + 1.2 * len(data.designs), len(data.designs), columns, sharex=True, sharey=True)
-    factor = _magnification(data, wave)
-    end = data.window[1]
+    columns, names, title = 5, 0.25, 0.5  # the last two in inches
+    side = (WIDTH - names) / columns
+    figure, ax = sheet(title + side * len(data.designs))
+    factor, end, modes = _magnification(data, wave), data.window[1], data.modes
     instants = end - min(data.periods[wave], end) * np.linspace(1, 0, columns, endpoint=False)
-    reach = 1.5 * max(float(data.modes.attrs["radius"]), float(np.abs(_at_rest(data.modes)[1]).max()))
-    axes[0, 0].set(xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])  # of all, which share them
+    reach = 1.5 * max(float(modes.attrs["radius"]), float(np.abs(_at_rest(modes)[1]).max()))
+    scale, half = side / 2 / reach, 0.47 * side
+    water, undeformed = [], []
     for row, design in enumerate(data.designs):
+        y = side * (len(data.designs) - row - 0.5)
+        ax.text(names / 2, y, folded(design), fontsize=7, rotation=90, ha="center", va="center")
         run = data.runs[design, wave].sel(time=instants, method="nearest")
-        for i, ax in enumerate(axes[row]):
-            _snapshot(data, ax, run.isel(time=i), design, factor)
-        axes[row, 0].set_ylabel(folded(design), fontsize=7)
-    for ax, instant in zip(axes[0], instants, strict=True):
-        ax.set_title(f"t = {instant:.2f} s", fontsize=8)
-    rest = "heave, pitch and wave" if "order" in data.modes else "heave and wave"
-    scale = f"Shell displacement times {factor:g}, {rest} times 1" if factor > 1 else "All to scale"
-    title_above(figure, f"{scale} (dotted: undeformed)")
+        for i, instant in enumerate(instants):
+            x, at = names + (i + 0.5) * side, run.isel(time=i)
+            level = float(at.elevation) if "elevation" in at else 0.0
+            surface = y + scale * level
+            water.append([(x - half, y - half), (x + half, y - half), (x + half, surface), (x - half, surface)])
+            centre = float(modes.attrs["centre_height"]) + float(at.position[0])
+            undeformed.append(np.transpose(_at_rest(modes)) * scale + [x, y + scale * centre])
+            ax.plot(
+                *_turned(modes, at, factor) + np.array([[0.0], [centre]]),
+                color=data.style(design)["color"],
+                transform=_place(ax, x, y, scale),
+                label=f"_{design}, t = {instant:.2f} s, water at {level:.4g} m",
+            )
+    for i, instant in enumerate(instants):
+        ax.text(
+            names + (i + 0.5) * side, figure.get_figheight() - 0.45, f"t = {instant:.2f} s", fontsize=8, ha="center"
+        )
+    ax.add_collection(PolyCollection(water, facecolor="#56B4E9", alpha=0.25, linewidth=0))
+    ax.add_collection(LineCollection([corners[2:] for corners in water], color="#0072B2", linewidth=0.8))
+    ax.add_collection(LineCollection(undeformed, color="#999999", linewidth=0.6, linestyle=":", zorder=1))
+    rest = "heave, pitch and wave" if "order" in modes else "heave and wave"
+    scaled = f"Shell displacement times {factor:g}, {rest} times 1" if factor > 1 else "All to scale"
+    title_above(figure, f"{scaled} (dotted: undeformed)")
     return figure
 
 
@@ -141,22 +169,11 @@ def _at_rest(modes: xr.Dataset) -> tuple[FloatArray, FloatArray]:
     return _closed(*2 * [_half(float(modes.attrs["radius"]), modes.colatitude.values, *_beyond_sphere(modes))])
 
 
-def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: float) -> None:
-    """Draw one buoy in the water at one instant."""
-    modes = data.modes
-    centre = float(modes.attrs["centre_height"]) + float(run.position[0])
+def _turned(modes: xr.Dataset, run: xr.Dataset, factor: float) -> FloatArray:
+    """`outline` about the sphere's centre, pitched with the buoy; surge, which may drift, is left out."""
     x, z = outline(modes, run, factor)
-    if "Pitch" in run.dof:  # about the sphere's centre; surge, which may drift, is left out
-        angle = float(run.position.sel(dof="Pitch"))
-        x, z = x * np.cos(angle) + z * np.sin(angle), z * np.cos(angle) - x * np.sin(angle)
-    z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
-    rest_x, rest_z = _at_rest(modes)
-    ax.axhspan(level - 10 * float(np.ptp(rest_z)), level, color="#56B4E9", alpha=0.25, linewidth=0)
-    ax.axhline(level, color="#0072B2", linewidth=0.8)
-    ax.plot(rest_x, centre + rest_z, color="#999999", linewidth=0.6, linestyle=":")
-    ax.plot(x, z, color=data.style(design)["color"])
-    ax.set_aspect("equal")
-    ax.spines[:].set_visible(False)
+    angle = float(run.position.sel(dof="Pitch")) if "Pitch" in run.dof else 0.0
+    return np.array([x * np.cos(angle) + z * np.sin(angle), z * np.cos(angle) - x * np.sin(angle)])
 
 
 def _height(data: StudyData, run: xr.Dataset) -> xr.DataArray:
@@ -188,32 +205,48 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     """
     design = next((d for d in data.designs if flexible(data.runs[d, wave].dof.values)), next(iter(data.designs)))
     run, factor = data.runs[design, wave], _magnification(data, wave)
-    height = _height(data, run.sel(time=slice(*data.window)))
-    extremes = (int(np.argmin(height.values)), int(np.argmax(height.values)))
-    instants = [0.0, *(float(height.time[i]) for i in extremes)]
-    figure, _ = grid_of_axes(2.6)
-    figure.clear()
-    limit = 1.1 * (float(data.modes.attrs["radius"]) + max(0.0, _beyond_sphere(data.modes)[0].max()))
-    for i, (instant, name) in enumerate(zip(instants, ("start", "smallest height", "largest height"), strict=True)):
-        ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
-        x, z = (a[::3] for a in _meridians(data.modes, run.sel(time=instant, method="nearest"), factor)[0])
-        _draw_wires(ax, x, z, data.style(design)["color"])
-        ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
-        ax.set_box_aspect((1, 1, 1))
-        ax.tick_params(labelsize=7, pad=-2)
-        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=1.02)
-    title = f"{design}, height between the poles, shell displacement magnified {factor:g} times; z in m"
-    title_above(figure, title)
+    height = _height(data, run)
+    inside = height.sel(time=slice(*data.window))
+    instants = {
+        "start": 0.0,
+        "smallest height": float(inside.time[int(np.argmin(inside.values))]),
+        "largest height": float(inside.time[int(np.argmax(inside.values))]),
+    }
+    shapes = [_meridians(data.modes, run.sel(time=at, method="nearest"), factor)[0] for at in instants.values()]
+    figure, ax = sheet(2.6)
+    side = WIDTH / len(shapes)
+    scale = (side / 2 - 0.1) / max(float(np.hypot(*shape).max()) for shape in shapes)
+    for i, ((name, instant), shape) in enumerate(zip(instants.items(), shapes, strict=True)):
+        x, z = (values[::3] for values in shape)
+        place, looks = ((i + 0.5) * side, side / 2 - 0.05), {"color": data.style(design)["color"], "linewidth": 0.5}
+        for behind in (1.0, -1.0):  # the half behind is pale
+            lines = _wires(x, behind * x, z)
+            ax.plot(*lines, transform=_place(ax, *place, scale), alpha=0.4 if behind > 0 else 1.0, label="_", **looks)
+        ax.plot(x, z, transform=_place(ax, *place, scale, scale * np.cos(ELEVATION)), label=f"_{name}", **looks)
+        words = f"{name}\nt = {instant:.2f} s, {float(height.sel(time=instant, method='nearest')):.3f} m"
+        ax.text(place[0], figure.get_figheight() - 0.5, words, fontsize=8, ha="center")
+    title_above(figure, f"{design}, height between the poles; shell displacement magnified {factor:g} times")
     return figure
 
 
-def _draw_wires(ax: Any, x: FloatArray, z: FloatArray, colour: str) -> None:
-    """Draw a body of revolution as meridians and rings."""
-    for azimuth in np.pi * np.arange(12) / 6:
-        ax.plot(x * np.cos(azimuth), x * np.sin(azimuth), z, color=colour, linewidth=0.5)
-    around = np.linspace(0, 2 * np.pi, 49)
-    for radius, height in zip(x[5:-1:5], z[5:-1:5], strict=True):
-        ax.plot(radius * np.cos(around), radius * np.sin(around), height, color=colour, linewidth=0.5)
+ELEVATION = np.radians(25.0)
+"""Of the eye above the horizon, to bodies in space."""
+
+
+def _wires(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Half a body of revolution as meridians and rings, seen from `ELEVATION`: one line with gaps.
+
+    Of a meridian: radius, the same with the sign of the half, and height.
+    """
+    azimuth, around = np.pi * np.arange(7)[:, None] / 6, np.linspace(0, np.pi, 25)
+    rings = slice(5, -1, 5)
+    meridians = np.stack(np.broadcast_arrays(x * np.cos(azimuth), y * np.sin(azimuth), z))
+    circles = np.stack(
+        np.broadcast_arrays(np.outer(x[rings], np.cos(around)), np.outer(y[rings], np.sin(around)), z[rings, None])
+    )
+    gaps = (np.pad(lines, [(0, 0), (0, 0), (0, 1)], constant_values=np.nan) for lines in (meridians, circles))
+    across, deep, up = np.concatenate([lines.reshape(3, -1) for lines in gaps], axis=1)
+    return across, up * np.cos(ELEVATION) + deep * np.sin(ELEVATION)
 
 
 def volume_area(data: StudyData, wave: str) -> Figure:
