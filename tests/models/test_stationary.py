@@ -55,7 +55,10 @@ def example(buoy_of):
     return study, FloatingSystem(buoy_of(study), motions, port)
 
 
-@pytest.mark.parametrize("tp", PUBLISHED)
+@pytest.mark.parametrize(
+    "tp",
+    [tp if tp in (min(PUBLISHED), max(PUBLISHED)) else pytest.param(tp, marks=pytest.mark.slow) for tp in PUBLISHED],
+)
 def test_powers_and_gains_at_equal_force_agree_with_an_independent_computation(example, tp):
     study, floating = example
     (wave,) = (wave for wave in study.waves if wave.tp == tp)

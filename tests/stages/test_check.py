@@ -29,6 +29,8 @@ from vsb.tools.packed import SUFFIX, Pack
 def test_check_leaves_no_file(name, tmp_path, monkeypatch, capsys):
     """Not even the number of shell modes it looked for, or an empty folder of results."""
     shutil.copytree(EXAMPLE.parent, tmp_path / "config")
+    study = tmp_path / "config" / f"{name}.yaml"
+    study.write_text(re.sub(r"omega: \[.*\]", "omega: [0.4, 0.8, 1.2, 2.0]", study.read_text()))
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
     monkeypatch.chdir(tmp_path)
     assert main(["check", f"config/{name}.yaml"]) == 0

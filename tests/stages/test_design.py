@@ -643,7 +643,8 @@ def test_a_limit_of_the_shell_holds_no_rigid_buoy(folder):
     """Along a front of the strain at rest the competitor is the same; its front asked for a strain it does not have."""
     plan = planned(folder, "strained", pareto={"static_strain": [0.2, 0.4]})
     for task in plan.tasks:
-        run_task(task)
+        if task.stage != "design_report":
+            run_task(task)
     powers = {(row["buoy"], row["value"]): float(row["annual_mean_power"]) for row in rows(plan, "pareto.csv")}
     rigid = [power for (buoy, _), power in powers.items() if buoy == COMPETITOR]
     assert len(rigid) == 2

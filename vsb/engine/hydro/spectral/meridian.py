@@ -214,9 +214,11 @@ def _interpolation(pieces: Sequence[Piece], t: FloatArray) -> FloatArray:
         node, weight = unit_rule(piece.nodes)
         here = (t >= piece.start) & ((t < piece.end) | (piece is last))
         scale = (-1.0) ** np.arange(piece.nodes) * np.sqrt(node * (1 - node) * weight)
-        apart = (t[here, None] - piece.start) / (piece.end - piece.start) - node
-        terms = scale / np.where(apart == 0.0, 1e-300, apart)
-        found[here, at : at + piece.nodes] = terms / terms.sum(axis=1, keepdims=True)
+        terms = (t[here, None] - piece.start) / (piece.end - piece.start) - node
+        terms[terms == 0.0] = 1e-300
+        np.divide(scale, terms, out=terms)
+        terms /= terms.sum(axis=1, keepdims=True)
+        found[here, at : at + piece.nodes] = terms
         at += piece.nodes
     return found
 
@@ -348,7 +350,7 @@ class WetMeridian:
         dx, dz = self.chord(starts[of_node], offset)
         both = (-dz, -1.0), (self.points.z[nodes][of_node] + points.z, 1.0)
         values = np.stack([points.influence(self.order, -dx, height, sign) for height, sign in both])
-        values = values * weight * points.rate
+        values *= weight * points.rate
         rows = [values[..., a:b] @ onto[a:b] for a, b in itertools.pairwise(ends)]
         return np.stack(rows, axis=2)
 
