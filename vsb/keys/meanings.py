@@ -169,7 +169,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "panels", "spectral: no mesh; panels: capytaine; auto: panels with rows or in very shallow water"
         ),
         "tolerance": Key("-", "1.0e-3", "error of the coefficients, relative to the largest"),
-        "omega_max": Key("rad/s", "12.0", "highest frequency solved; auto: 5.4 sqrt(gravity/radius), two digits"),
+        "omega_max": Key(
+            "rad/s", "12.0", "highest frequency solved; auto: 5.4 sqrt(gravity/radius), more where shell modes need it"
+        ),
         "omega": Key("rad/s", "[1.0, 2.0]", "frequencies tabulated in the database, beside those the study chooses"),
         "rows": Key("-", "40", "rows of panels between keel and waterline; asks for panels"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),

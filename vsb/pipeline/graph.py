@@ -19,7 +19,16 @@ from vsb.keys.quantities import content_id, result_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
 from vsb.study.body import BodyStudy, wamit_files
-from vsb.study.resolution import AnyBlock, HydroPlan, block_id, degree_needed, no_witness, witness_meshes, witness_omega
+from vsb.study.resolution import (
+    AnyBlock,
+    HydroPlan,
+    block_id,
+    degree_needed,
+    in_band,
+    no_witness,
+    witness_meshes,
+    witness_omega,
+)
 from vsb.study.sections import Hydro
 from vsb.study.specs import (
     BodySource,
@@ -470,10 +479,13 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return degree_needed(self.study)
 
     def with_degree(self) -> Self:
-        """Return a plan whose shell modes have a degree: the one given, or the one that `modes.tolerance` needs."""
-        if self.study.modes.degree is not None:
-            return self
-        return replace(self, study=self.study.with_degree(self.degree_needed))
+        """Return a plan whose shell modes have a degree, and whose automatic band has that of their damping.
+
+        The degree is the one given, or the one that `modes.tolerance` needs.
+        """
+        given = self.study.modes.degree is not None
+        study = in_band(self.study if given else self.study.with_degree(self.degree_needed))
+        return self if study is self.study else replace(self, study=study)
 
     @property
     def moved(self) -> int:

@@ -43,7 +43,7 @@ from vsb.study.campaign import (
 )
 from vsb.study.design import LoadedDesign, is_design
 from vsb.study.design import read as read_design
-from vsb.study.resolution import block_id, degree_needed
+from vsb.study.resolution import block_id, degree_needed, in_band
 from vsb.study.sections import DEGREES
 from vsb.study.specs import (
     RUN_BY,
@@ -174,12 +174,22 @@ class CampaignPlan(Graph):
         return None if "modes.degree" in self.loaded.campaign.vary.keys else max(map(degree_needed, self.studies))
 
     def with_degree(self) -> Self:
-        """Return a plan whose shell modes have a degree, the largest of those that its points need."""
+        """Return a plan whose shell modes have a degree, the largest of those that its points need.
+
+        The automatic band of a point of another shape than the sphere follows from it.
+        """
         base = self.loaded.base
-        if base.KIND == "body" or base.modes.degree is not None or (degree := self.degree_needed) is None:
+        if base.KIND == "body":
             return self
-        studies = tuple(one.with_degree(degree) for one in self.studies)
-        return replace(self, loaded=self.loaded.model_copy(update={"base": base.with_degree(degree)}), read=studies)
+        degree = self.degree_needed if base.modes.degree is None else None
+        automatic = base.device.shape is not None and "omega_max" not in base.hydro.model_fields_set
+        if degree is None and not automatic:
+            return self
+        studies = self.studies
+        if degree is not None:
+            base, studies = base.with_degree(degree), tuple(one.with_degree(degree) for one in studies)
+        found = tuple(in_band(one, automatic=automatic) for one in studies)
+        return replace(self, loaded=self.loaded.model_copy(update={"base": base}), read=found)
 
     @cached_property
     def base(self) -> dict[str, Any]:

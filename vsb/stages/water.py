@@ -89,7 +89,7 @@ def run_display(study: StudyPart, out: str, manifest: str, stamp: Stamp) -> None
 
 REFINED = (0.1, 0.01)
 """Shares of the tolerance to which blocks of a database that fails a check are solved again, one after the other."""
-REFINABLE = ("haskind", "rank_one", "symmetry", "positive_damping", "irregular_frequencies")
+REFINABLE = ("haskind", "rank_one", "symmetry", "positive_damping", "irregular_frequencies", "kramers_kronig")
 """Checks that fail of motions which move little water: their coefficients are small parts of the largest entry."""
 _ALONG_BAND = (0.3, 0.7, 1.0, 1.3, 1.6, 2.0)
 """Frequencies at which a shape's own error is sampled, over sqrt(g/r)."""

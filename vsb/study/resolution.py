@@ -34,13 +34,21 @@ SPLINE_ERROR = {"deep": (5e-5, 2), "finite": (4.6e-3, 3)}
 it falls with; in finite depth added mass goes with log(omega) (measured in 2.041 m to 50 m of water, radius 2 m)."""
 COARSEST_SWEEP = 1e-3
 """Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
-LARGEST_KA = 40.0
+LARGEST_KA, LARGEST_KA_OF_SHAPES = 40.0, 80.0
 """Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
 BEYOND_THE_PEAK = 4.2
 """omega^2 l/g to which radiation damping must be known, l the draft or the waterline's radius, the smaller: Ogilvie's
 relation is then off by less than 2 % (drafts of 0.1 to 1.9 radii, modes to degree 2, in 0.06 sqrt(g/l))."""
 HIGHER_DEGREES = 5.2
-"""What every degree beyond 2 adds to the square of omega^2 a/g, a the waterline's radius (likewise, to degree 12)."""
+"""What every degree beyond 2 adds to the square of omega^2 a/g, a the waterline's radius, of spheres (likewise, to
+degree 12; to degree 90 they need less)."""
+AT_EDGE, EDGE_DEGREES, BELOW_EQUATOR = 22.0, 12.5, 0.55
+"""What shell modes of other shapes add to omega^2/g: the first in terms of the curvature r/b^2 of a spheroid at its
+equator, b half its height (of a capsule of 1/r), as the degree grows beyond the second, times r/b; the third, over b,
+for every degree where the waterline lies below the equator, by its share of b. Kramers and Kronig's relation, which
+held in 35 cases from omega^2 r/g of 9 to 71 on, then holds: b of 0.4 to 1.5 radii, capsules of lengths of 0.3 to 1
+radii, drafts of 0.2 to 0.65 heights, degrees 4 to 120.
+"""
 MAX_ROWS = 160
 LID_ROWS_PER_WAVE = 6
 ROWS_OF_A_DEFORMED_SHELL = 1.5
@@ -208,28 +216,56 @@ class HydroPlan:
     @property
     def least_band(self) -> float:
         """Frequency to which the damping must be known [rad/s]."""
-        study, radius = self.study, self.study.waterline_radius
-        higher = HIGHER_DEGREES * max(0, study.modes.max_degree - 2) if study.flexible else 0.0
-        k = math.hypot(BEYOND_THE_PEAK / min(radius, study.draft), math.sqrt(higher) / radius)
+        study, radius, degree = self.study, self.study.waterline_radius, self.study.modes.degree or 0
+        k = BEYOND_THE_PEAK / min(radius, study.draft)
+        if study.flexible and study.device.shape is None:
+            k = math.hypot(k, math.sqrt(HIGHER_DEGREES * max(0, degree - 2)) / radius)
+        elif study.flexible:
+            k += self._edge_wavenumber(degree)
         return math.sqrt(k * study.water.gravity)
+
+    def _edge_wavenumber(self, degree: int) -> float:
+        """What shell modes up to a degree of another shape than the sphere add to the wavenumber they need [1/m]."""
+        device = self.study.device
+        assert device.shape is not None
+        assert device.meridian is not None
+        half = (device.meridian.highest - device.meridian.lowest) / 2
+        sharp = 1 / device.radius if device.shape.capsule else device.radius / half**2
+        below = max(0.0, 1 - self.study.draft / half)
+        reached = 1 - math.exp(-degree * half / (EDGE_DEGREES * device.radius))
+        return AT_EDGE * reached * sharp + BELOW_EQUATOR * degree * below / half
+
+    @property
+    def reach(self) -> float:
+        """Highest frequency that is solved, the end of the last block [rad/s]."""
+        block = BLOCK * self.refinement
+        return float(math.ceil(self.study.hydro.omega_max / self.step / block - 1e-9) * block * self.step)
+
+    @property
+    def largest_band(self) -> float:
+        """Highest frequency the spectral solver is asked for [rad/s]."""
+        device = self.study.device
+        largest = LARGEST_KA if device.shape is None else LARGEST_KA_OF_SHAPES
+        return math.sqrt(largest * self.study.water.gravity / device.radius)
 
     def check_waves(self) -> None:
         """Check that no wave is longer than the lowest frequency solved, nor the band too wide for the solver.
 
         Raises `ConfigError`.
         """
-        largest = math.sqrt(LARGEST_KA * self.study.water.gravity / self.study.device.radius)
-        if not self.study.uses_panels and self.study.hydro.omega_max > largest:
+        study, largest = self.study, self.largest_band
+        if not study.uses_panels and study.hydro.omega_max > largest:
             raise ConfigError(
-                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at most {largest:.4g} rad/s "
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, needs at most {largest:.4g} rad/s "
                 "with the spectral solver; lower it, or set hydro.solver: panels"
             )
-        judged = self.study.uses_panels or "kramers_kronig" in self.study.hydro.accept  # afterwards, or not at all
-        if self.sweep_blocks[-1].omega[-1] < self.least_band and not judged:
+        judged = study.uses_panels or "kramers_kronig" in study.hydro.accept  # afterwards, or not at all
+        if self.reach < self.least_band and not judged:
+            beyond = "set hydro.solver: panels" if study.device.shape is None else "lower modes.degree"
             raise ConfigError(
-                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at least "
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, needs at least "
                 f"{self.least_band:.4g} rad/s, because the radiation memory rests on the damping to beyond its peak; "
-                + ("raise it" if self.least_band < largest else "set hydro.solver: panels")
+                + ("raise it" if self.least_band < largest else beyond)
             )
         for i, wave in enumerate(self.study.waves):
             if wave.regular and wave.omega < self.first_omega:
@@ -323,6 +359,25 @@ class HydroPlan:
 def degree(mode: str) -> int:
     """Return the degree of a mode by its label."""
     return int(mode.removeprefix("Membrane").removeprefix("Bending"))
+
+
+def in_band(study: Study, *, automatic: bool | None = None) -> Study:
+    """Return a study whose automatic band reaches as far as the damping of its shell modes must be known.
+
+    Parameters
+    ----------
+    automatic : bool, optional
+        Whether its band is; by default it is where `hydro.omega_max` is not set.
+    """
+    plan = HydroPlan(study)
+    given = "omega_max" in study.hydro.model_fields_set if automatic is None else not automatic
+    if given or not study.needs_bem or study.uses_panels or plan.reach >= plan.least_band:
+        return study
+    if plan.least_band > plan.largest_band:
+        return study  # refused by `HydroPlan.check_waves`
+    digit = 10.0 ** (math.floor(math.log10(plan.least_band)) - 1)
+    omega_max = min(float(f"{math.ceil(plan.least_band / digit) * digit:.2g}"), plan.largest_band)
+    return study.model_copy(update={"hydro": study.hydro.model_copy(update={"omega_max": omega_max})})
 
 
 MOST_MODES = 12

@@ -453,15 +453,18 @@ def _with_mass_of_shape(device: Mapping[str, Any], radius: float, density: float
 
 
 def _with_band(raw: Mapping[str, Any], radius: float, gravity: float) -> Any:
-    """The section `hydro` with its highest frequency."""
-    hydro = raw.get("hydro", {})
-    omega_max = float(f"{BAND * math.sqrt(gravity / radius):.2g}")
-    if isinstance(hydro, Hydro):
-        given = "omega_max" in hydro.model_fields_set
-        return hydro if given else hydro.model_copy(update={"omega_max": omega_max})
-    if not isinstance(hydro, Mapping) or hydro.get("omega_max", "auto") != "auto":
+    """The section `hydro` with its highest frequency, which is not among the fields set if it is automatic."""
+    hydro, omega_max = raw.get("hydro", {}), float(f"{BAND * math.sqrt(gravity / radius):.2g}")
+    if isinstance(hydro, Mapping) and hydro.get("omega_max", "auto") == "auto":
+        try:
+            hydro = Hydro.model_validate({key: value for key, value in hydro.items() if key != "omega_max"})
+        except ValueError:
+            return {**hydro, "omega_max": omega_max}  # reported by its check
+    if not isinstance(hydro, Hydro) or "omega_max" in hydro.model_fields_set:
         return hydro
-    return {**hydro, "omega_max": omega_max}
+    found = hydro.model_copy(update={"omega_max": omega_max})
+    found.model_fields_set.discard("omega_max")
+    return found
 
 
 def _without_words(raw: Mapping[str, Any]) -> dict[str, Any]:
