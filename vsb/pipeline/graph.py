@@ -538,9 +538,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """Meshes the second solver is asked about: the mean wetted shell, and one for each of its modes and signs."""
         if no_witness(self.study):
             return None
-        shapes, folder = witness_meshes(self), f"{self.root}/hydro/mesh/{ID}"
-        meshes = [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(shapes.deformed))]
-        return Task.of("deformed", {"shapes": shapes}, folder, makes=meshes)
+        return Task.of("deformed", {"shapes": witness_meshes(self)}, f"{self.root}/hydro/mesh/{ID}/shapes.nc")
 
     @cached_property
     def witness(self) -> Task | None:
@@ -548,12 +546,10 @@ class StudyPlan(HydroPlan, ResultsPlan):
         if not (deformed := self.deformed):
             return None
         shapes: DeformedMeshes = deformed.spec["shapes"]
-        meshes, omega = deformed.makes, witness_omega(self.study)
-        given = {"solver": panel_solver(), "shapes": shapes, "water": self.study.water, "omega": omega}
-        return Task.of(
-            "witness", given, f"{self.root}/hydro/witness/{ID}.nc", files={"meshes": deformed.files["out"]},
-            needs=meshes, seconds=costs.witness_seconds(len(meshes), shapes.rows),
-        )  # fmt: skip
+        water, omega = self.study.water, witness_omega(self.study)
+        given = {"solver": panel_solver(), "shapes": shapes, "water": water, "omega": omega}
+        seconds = costs.witness_seconds(shapes.count, shapes.rows)
+        return Task.of("witness", given, f"{self.root}/hydro/witness/{ID}.nc", {"meshes": deformed}, seconds=seconds)
 
     @cached_property
     def database(self) -> Task:
@@ -594,11 +590,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
     def highest(self) -> float:
         """Highest frequency a sea may have components at [rad/s]."""
         return float(self.study.hydro.omega_max)
-
-
-def _either_sign(modes: tuple[str, ...]) -> list[str]:
-    """Names of the shapes deformed by modes."""
-    return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]
 
 
 _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet

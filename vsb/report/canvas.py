@@ -12,7 +12,7 @@ import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import matplotlib as mpl
@@ -86,6 +86,15 @@ class StudyData:
         """Colour, line style and label of a design."""
         return style(design, self.designs, self.reference)
 
+    @cached_property
+    def band(self) -> tuple[float, float]:
+        """Frequencies shown: from the `lowest` to where no design absorbs 1 % of its largest power, and all waves."""
+        power = self.response.absorbed_power.max(dim="design")
+        absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
+        last = float(absorbs.max())
+        ends = np.array([lowest(float(power.omega[0]), last), last, *self.wave_frequencies])
+        return float(ends.min()), float(ends.max())
+
 
 def style(design: str, designs: Sequence[str], reference: str | None = None) -> dict[str, Any]:
     """Return colour, line style and label of a design: by its role, then by its place among all of the study."""
@@ -152,15 +161,6 @@ def period_axis(ax: Any, ticks: Sequence[float] = (1.5, 2, 2.5, 3, 4, 6, 10)) ->
 def _period(omega: FloatArray) -> FloatArray:
     """2 pi over the argument: period of a frequency, frequency of a period."""
     return 2 * np.pi / np.maximum(omega, 1e-6)
-
-
-def shown_band(data: StudyData) -> tuple[float, float]:
-    """Frequencies shown: from the `lowest` on to where no design absorbs 1 % of its largest power, and all waves."""
-    power = data.response.absorbed_power.max(dim="design")
-    absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
-    last = float(absorbs.max())
-    ends = np.array([lowest(float(power.omega[0]), last), last, *data.wave_frequencies])
-    return float(ends.min()), float(ends.max())
 
 
 def note(ax: Axes, text: str) -> None:
@@ -413,11 +413,8 @@ def data_csv(figure: Figure) -> str:
         where = _one_line(ax.get_title() or ax.get_ylabel()) or f"axes {i + 1}"
         for series, points in _points(ax):
             thinned = points[:: max(1, -(-len(points) // MOST_POINTS))] if series != "map" else points
-            named = csv_text([where, series], []).rstrip("\n")
-            text += [
-                f"{','.join([named, *('' if math.isnan(x) else f'{x:.6g}' for x in point)])}\n"
-                for point in thinned.tolist()
-            ]
+            named, numbers = csv_text([where, series], []).rstrip("\n"), ",%.6g" * points.shape[-1] + "\n"
+            text += [named + (numbers % tuple(point)).replace("nan", "") for point in thinned.tolist()]
     return "".join(text)
 
 

@@ -22,7 +22,6 @@ from vsb.report.canvas import (
     note,
     panels,
     period_axis,
-    shown_band,
     shown_window,
     zero_axis,
 )
@@ -56,7 +55,7 @@ def absorbed_power(data: StudyData) -> Figure:
         period_axis(top)
         _mark_waves(data, (top, *below))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
-    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=shown_band(data))
+    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=data.band)
     axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()) or 1.0)
     if _compares(data):
         _limit_gain(data, powers.values(), axes[1, 0])
@@ -77,7 +76,7 @@ def reactance(data: StudyData) -> Figure:
     shown = quality.where(_shown(data))
     largest = max(0.1, float(shown.max().fillna(0.0)))
     top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
-    top.set_xlim(shown_band(data))
+    top.set_xlim(data.band)
     bottom.set(
         xlabel="wave frequency [rad/s]", ylabel="share at optimal damping\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02)
     )
@@ -92,7 +91,7 @@ WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", 
 
 def _shown(data: StudyData) -> xr.DataArray:
     """Which frequencies figures over the band show."""
-    omega, (low, high) = data.response.omega, shown_band(data)
+    omega, (low, high) = data.response.omega, data.band
     shown: xr.DataArray = (omega > low) & (omega < high)
     return shown
 
@@ -467,7 +466,7 @@ def _looks(line: Mapping[str, Any], headings: FloatArray) -> list[dict[str, Any]
 
 def _moving(values: xr.DataArray, labels: Sequence[str], data: StudyData) -> list[str]:
     """Degrees of freedom that are not negligible beside the largest of their kind in the band shown."""
-    low, high = shown_band(data)
+    low, high = data.band
     shown = values.sel(omega=slice(low, high))
     sizes = {dof: float(np.abs(shown.sel(dof=dof).values).max(initial=0.0)) for dof in labels}
     kinds = {dof: motion_of(dof) in ROTATIONS for dof in labels}
@@ -486,8 +485,8 @@ def _drawn(data: StudyData, omega: FloatArray, rows: Mapping[str, Sequence[Curve
         figure, axes = grid_of_axes(1.5)
         note(axes[0, 0], "nothing moves")
         return figure
-    figure, axes = grid_of_axes(1.0 + 1.35 * len(rows), len(rows), 2, sharex=True)
-    low, high = shown_band(data)
+    figure, axes = grid_of_axes(0.85 + 1.35 * len(rows), len(rows), 2, sharex=True)
+    low, high = data.band
     shown: BoolArray = (omega >= low) & (omega <= high)
     for (label, curves), (left, right) in zip(rows.items(), axes, strict=True):
         angles = phases([values for values, _ in curves], shown)
@@ -500,13 +499,11 @@ def _drawn(data: StudyData, omega: FloatArray, rows: Mapping[str, Sequence[Curve
         seen = np.concatenate([angle[shown] for angle in angles])
         seen = seen[np.isfinite(seen)] if np.isfinite(seen).any() else np.zeros(1)
         span, middle = max(float(np.ptp(seen)), LEAST_SPAN), float(seen.min() + seen.max()) / 2
-        right.set(ylabel="[degrees]", ylim=(middle - 0.56 * span, middle + 0.56 * span))
+        right.set(ylabel="phase lag\n[degrees]", ylim=(middle - 0.56 * span, middle + 0.56 * span))
         step = next((one for one in STEPS if span / one <= TICKS), STEPS[-1])
         right.yaxis.set_major_locator(MultipleLocator(step))
     for ax in axes[0]:
         period_axis(ax, (1.5, 2, 3, 4, 6, 10))
-    axes[0, 0].set_title("amplitude", fontsize=9)
-    axes[0, 1].set_title("phase lag", fontsize=9)
     for ax in axes[-1]:
         ax.set(xlabel="wave frequency [rad/s]", xlim=(low, high))
     legend_above(figure, *axes[:, 0])

@@ -56,10 +56,12 @@ def run_panels(block: PanelsBlock, mesh: str, green: str, out: str, stamp: Stamp
 
 
 def run_deformed(shapes: DeformedMeshes, out: str, stamp: Stamp) -> None:
-    """Write the mesh of every shape into a folder."""
-    for shape in shells(shapes):
-        mesh = shape_mesh(shapes, shape).assign_attrs(**stamp, deformed_by=shape.mode, amplitude=shape.amplitude)
-        save(mesh, Path(out) / f"{shape.name}.nc")
+    """Write the meshes of all shapes, which have as many panels each."""
+    found = shells(shapes)
+    meshes = xr.concat([shape_mesh(shapes, shape) for shape in found], "shape")
+    named = meshes.assign_coords(shape=[shape.name for shape in found])
+    amplitudes = ("shape", [shape.amplitude for shape in found])
+    save(named.assign(deformation_amplitude=amplitudes).assign_attrs(stamp), out)
 
 
 def shells(given: DeformedMeshes) -> list[Deformed]:
@@ -94,13 +96,12 @@ def _at_rest(given: DeformedMeshes) -> DeformedShell:
 def run_witness(
     solver: str, shapes: DeformedMeshes, water: Water, omega: tuple[float, ...], meshes: str, out: str, stamp: Stamp
 ) -> None:
-    """Solve every shape by both solvers, panels on the mesh in a folder and on one of half its rows, and compare."""
+    """Solve every shape by both solvers, panels on the mesh in a file and on one of half its rows, and compare."""
     found, waves = shells(shapes), Waves(omega, water.density, water.depth, water.gravity)
-    basis = compared_basis(shapes, found[0].shell.basis)
-    paths = [Path(meshes) / f"{shape.name}.nc" for shape in found]
+    basis, stored = compared_basis(shapes, found[0].shell.basis), load(meshes, expected=id_in(meshes))
     by_panels = [
-        witness_runs((load(path, expected=id_in(path)), shape_mesh(shapes, shape, coarser=2)), basis, waves)
-        for shape, path in zip(found, paths, strict=True)
+        witness_runs((stored.sel(shape=shape.name), shape_mesh(shapes, shape, coarser=2)), basis, waves)
+        for shape in found
     ]
     by_spectral = [spectral_runs(shape.shell, basis, waves) for shape in found]
     ds = compared(found, by_panels, by_spectral, waves).merge(derivatives(found, by_panels, basis, waves))

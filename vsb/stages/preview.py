@@ -133,7 +133,8 @@ def _witness_words(plan: StudyPlan) -> str:
     """What a second solver would be asked, and how long both would take."""
     if not (deformed := plan.deformed) or not (witness := plan.witness):
         return f"none: {no_witness(plan.study)}"
-    shapes, rows = len(deformed.makes), deformed.spec["shapes"].rows
+    meshes = deformed.spec["shapes"]
+    shapes, rows = meshes.count, meshes.rows
     there = Path(witness.out).exists()
     seconds = "there" if there else f"about {shapes * WITNESS_ROW2_SECONDS * rows**2:.0f} s on one core"
     work = f"{shapes} shapes at {len(witness.spec['omega'])} frequencies"

@@ -93,6 +93,11 @@ class DeformedMeshes(Mesh):
     deformed: tuple[str, ...]
     depth: float
 
+    @property
+    def count(self) -> int:
+        """Number of shapes."""
+        return 1 + 2 * len(self.deformed)
+
 
 class Block(Section):
     """Coefficients of displacements at frequencies [rad/s], as many of them solved as `interpolation` [-] asks for."""

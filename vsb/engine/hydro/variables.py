@@ -60,13 +60,13 @@ _BY_SHAPE = ("solver", "shape", "omega")
 register(
     {
         "wave_direction": Variable(("wave_direction",), "rad", "wave direction"),
-        # mesh of an axisymmetric buoy
-        "meridian_radius": Variable(("node",), "m", "radius of the panel rows' edges"),
-        "meridian_height": Variable(("node",), "m", "height of the panel rows' edges above still water"),
-        "lid_radius": Variable(("lid_node",), "m", "radius of the edges of the interior lid's rows"),
-        "row_colatitude": Variable(("row",), "rad", "colatitude of the panel rows' middles on the undeformed sphere"),
-        "normal_radius": Variable(("row",), "1", "radial component of the shell's outward normal"),
-        "normal_height": Variable(("row",), "1", "vertical component of the shell's outward normal"),
+        # mesh of an axisymmetric buoy, or of several shapes
+        "meridian_radius": Variable(("...", "node"), "m", "radius of the panel rows' edges"),
+        "meridian_height": Variable(("...", "node"), "m", "height of the panel rows' edges above still water"),
+        "lid_radius": Variable(("...", "lid_node"), "m", "radius of the edges of the interior lid's rows"),
+        "row_colatitude": Variable(("...", "row"), "rad", "colatitude of the middles of panel rows, undeformed"),
+        "normal_radius": Variable(("...", "row"), "1", "radial component of the shell's outward normal"),
+        "normal_height": Variable(("...", "row"), "1", "vertical component of the shell's outward normal"),
         # hydro database
         "added_mass": Variable(("omega", *PAIR), "kg", "added mass"),
         "radiation_damping": Variable(("omega", *PAIR), "kg/s", "radiation damping"),
