@@ -79,7 +79,7 @@ def smooth(dof=3):
 
 
 def test_error_falls_and_order_grows_with_the_tolerance():
-    tolerances = (1e-2, 5e-3, 2e-3, 1e-3)
+    tolerances = (1e-2, 1e-3)
     fits = [fit_passive(smooth(), tolerance) for tolerance in tolerances]
     assert all(fit.error <= tolerance for fit, tolerance in zip(fits, tolerances, strict=True))
     orders = [fit.model.order for fit in fits]

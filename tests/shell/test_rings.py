@@ -142,7 +142,7 @@ def test_responses_of_a_round_spheroid_are_those_of_all_degrees_of_the_sphere(te
 
 
 @pytest.mark.parametrize("colatitude", [0.0, 1.0, np.pi])
-@pytest.mark.parametrize("thickness", [0.04, 0.01, 0.002])
+@pytest.mark.parametrize("thickness", [0.04, 0.002])
 def test_a_wall_bends_beside_one_load_as_by_all_degrees(thickness, colatitude):
     """Degrees alone miss 6 to 9 % of the compliance of those above 14 at a pole; powers of |s| 1 % beside a ring."""
     load = ((normal_to_wall(colatitude),), (0.0,))

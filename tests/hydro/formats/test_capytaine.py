@@ -110,8 +110,10 @@ def asked_by(path, name, **changes):
     return path.with_name(f"{name}.nc")
 
 
-@pytest.mark.parametrize("name", ["period", "freq", "wavenumber", "wavelength"])
-@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize(
+    ("name", "named"),
+    [("period", True), ("period", False), ("freq", False), ("wavenumber", False), ("wavelength", False)],
+)
 def test_frequencies_given_by_another_quantity(ball, name, named):
     path, expected = asked_by(ball, name), read_capytaine(ball)
     if not named:

@@ -34,7 +34,7 @@ def of_ring(order, k, x, source, z, angles=600):
     return 2 * np.pi * np.mean(np.cos(order * theta) * deep_water(k, rho, np.full_like(rho, z)))
 
 
-@pytest.mark.parametrize("order", [0, 1, 2, 3])
+@pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize(("k", "largest"), [(0.2, 5.0), (5.0, 5.0), (1.0, 1.0), (1e-2, 1e-2), (1e-3, 1e-3)])
 def test_influence_is_the_integral_of_the_waves_over_the_azimuth(order, k, largest):
     """Between points apart and on one ring; the derivative by central differences along the normal."""
@@ -149,8 +149,8 @@ def distance(result, other):
 
 
 @pytest.mark.parametrize("order", [0, 1])
-@pytest.mark.parametrize("height", [-0.2, 0.0, 0.3])
-@pytest.mark.parametrize("ratio", [1.01, 1.05, 1.5, 20.0])
+@pytest.mark.parametrize("height", [-0.2, 0.3])
+@pytest.mark.parametrize("ratio", [1.01, 1.5, 20.0])
 def test_symmetry_and_haskind(bowl, order, height, ratio):
     """B = k0 X X^H/(4 rho g v_g) of the depth's wave, half of that for order 1."""
     depth, ka = ratio * (1 - height), [1e-3, *KA, 10.0]
