@@ -147,7 +147,7 @@ def _draw_differences(ax: Axes, apart: xr.DataArray, expected: xr.DataArray, dim
     least, most = float(apart.max("omega").min()), float(max(apart.max(), expected.max()))
     ax.set(yscale="log", ylim=(10 ** np.floor(np.log10(least / 2)), 10 ** np.ceil(np.log10(1.2 * most))))
     _name_shapes(ax, names)
-    ax.legend(fontsize=8, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    ax.legend(fontsize=8, ncols=4, loc="lower center", bbox_to_anchor=(0.47, 1.0), columnspacing=1.0, handletextpad=0.3)
 
 
 def _draw_heave(ax: Axes, ds: xr.Dataset) -> None:

@@ -7,8 +7,8 @@ P does not change to first order with Z_l (envelope theorem): the same expressio
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,7 +24,8 @@ from vsb.engine.waves.water import haskind_factor
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 
-class CoefficientError(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class CoefficientError:
     """An estimated error of the coefficients at some frequencies, from one source.
 
     Of `signed` errors added mass, damping, excitation and stiffness are each known as a whole, but not how they go
@@ -35,9 +36,20 @@ class CoefficientError(NamedTuple):
     error: Coefficients
     signed: bool
     stiffness: FloatArray | None = None  # of the still water, which panels give as well (dof, dof) [N/m]
+    _kept: list[FloatArray] = field(default_factory=list, repr=False)
+
+    def sizes(self, omega: FloatArray) -> FloatArray:
+        """Sizes of the error of D, at its frequencies: of every entry that of Re D, then of Im D (omega, ...)."""
+        if not self._kept:  # of all designs and dampings of a year the same
+            mass, damping, _ = self.error
+            parts = np.stack([mass, damping], axis=-1) * omega[:, None, None, None] ** [2, 1]
+            if self.stiffness is not None:
+                parts[..., 0] += self.stiffness
+            self._kept.append(parts.reshape(len(omega), -1))
+        return self._kept[0]
 
 
-AT_ONCE = 2**14
+AT_ONCE = 2**15
 """Entries of matrices over frequency held at a time."""
 
 
@@ -73,11 +85,10 @@ class Sensitivity:
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""
-        sizes, dof = np.zeros(4), self.excitation.shape[1]
-        step, changes = max(1, AT_ONCE // max(1, dof**2)), self._signed if error.signed else self._worst
-        for start in range(0, len(self.omega), step):
-            sizes += changes(error, slice(start, start + step))
-        return float(np.abs(sizes).sum())
+        step = max(1, AT_ONCE // max(1, self.excitation.shape[1] ** 2))
+        changes = self._signed if error.signed else self._worst
+        parts = [changes(error, slice(start, start + step)) for start in range(0, len(self.omega), step)]
+        return float(np.abs(np.sum(parts, axis=0)).sum())
 
     def _signed(self, error: CoefficientError, part: slice) -> FloatArray:
         """Changes of ln P at some frequencies by mass, damping, excitation and stiffness of an error, shape (4,)."""
@@ -91,19 +102,14 @@ class Sensitivity:
         return np.array([-(w**2) @ by_mass, w @ by_damping, np.sum(self.excitation[part] * force[part]).real, held])
 
     def _worst(self, error: CoefficientError, part: slice) -> FloatArray:
-        """The same if all entries of the error go together: sizes of the derivatives times those of the error."""
-        w, (mass, damping, force) = self.omega[part], error.error
-        by_force = np.abs(self.excitation[part] * force[part]).sum()
+        """Changes by excitation and D if all entries of the error go together: sums of sizes."""
+        by_force = float(np.abs(self.excitation[part] * error.error.excitation[part]).sum())
         if not self.products:
-            return np.array([0.0, 0.0, by_force, 0.0])
-        towards, response = (np.stack([one[part] for one in side], -1) for side in zip(*self.products, strict=True))
-        both = np.concatenate([towards, response], -1) @ np.concatenate([response, towards], -1).swapaxes(1, 2) / 2
-        real, imaginary = np.abs(both.real), np.abs(both.imag)
-        by_mass, by_damping = (
-            np.einsum("wij,wij->w", size, matrix[part]) for size, matrix in ((real, mass), (imaginary, damping))
-        )
-        held = 0.0 if error.stiffness is None else np.vdot(real.sum(axis=0), error.stiffness)
-        return np.array([w**2 @ by_mass, w @ by_damping, by_force, held])
+            return np.array([by_force, 0.0])
+        towards, response = (np.stack([one[part] for one in side]) for side in zip(*self.products, strict=True))
+        left, right = np.concatenate([towards, response]), np.concatenate([response, towards])
+        both = (left.transpose(1, 2, 0) @ right.transpose(1, 0, 2)).view(float).ravel()
+        return np.array([by_force, np.abs(both, out=both) @ error.sizes(self.omega)[part].ravel() / 2])
 
 
 def sensitivity(
