@@ -34,7 +34,7 @@ SPLINE_ERROR = {"deep": (5e-5, 2), "finite": (4.6e-3, 3)}
 it falls with; in finite depth added mass goes with log(omega) (measured in 2.041 m to 50 m of water, radius 2 m)."""
 COARSEST_SWEEP = 1e-3
 """Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
-LARGEST_KA, LARGEST_KA_OF_SHAPES = 40.0, 80.0
+LARGEST_KA, LARGEST_KA_OF_SHAPES = 40.0, 90.0
 """Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
 BEYOND_THE_PEAK = 4.2
 """omega^2 l/g to which radiation damping must be known, l the draft or the waterline's radius, the smaller: Ogilvie's
@@ -42,12 +42,12 @@ relation is then off by less than 2 % (drafts of 0.1 to 1.9 radii, modes to degr
 HIGHER_DEGREES = 5.2
 """What every degree beyond 2 adds to the square of omega^2 a/g, a the waterline's radius, of spheres (likewise, to
 degree 12; to degree 90 they need less)."""
-AT_EDGE, EDGE_DEGREES, BELOW_EQUATOR = 22.0, 12.5, 0.55
+AT_EDGE, EDGE_DEGREES, BELOW_EQUATOR = 22.0, 12.5, 0.45
 """What shell modes of other shapes add to omega^2/g: the first in terms of the curvature r/b^2 of a spheroid at its
 equator, b half its height (of a capsule of 1/r), as the degree grows beyond the second, times r/b; the third, over b,
-for every degree where the waterline lies below the equator, by its share of b. Kramers and Kronig's relation, which
-held in 35 cases from omega^2 r/g of 9 to 71 on, then holds: b of 0.4 to 1.5 radii, capsules of lengths of 0.3 to 1
-radii, drafts of 0.2 to 0.65 heights, degrees 4 to 120.
+for every degree where the waterline lies below the equator, by the root of its share of b. Kramers and Kronig's
+relation, which held in 45 cases from omega^2 r/g of 9 to 71 on, then holds, but at one draft of 0.35 heights, degree 4:
+b of 0.4 to 1.5 radii, capsules of lengths of 0.3 to 1 radii, drafts of 0.2 to 0.65 heights, degrees 4 to 120.
 """
 MAX_ROWS = 160
 LID_ROWS_PER_WAVE = 6
@@ -231,7 +231,7 @@ class HydroPlan:
         assert device.meridian is not None
         half = (device.meridian.highest - device.meridian.lowest) / 2
         sharp = 1 / device.radius if device.shape.capsule else device.radius / half**2
-        below = max(0.0, 1 - self.study.draft / half)
+        below = math.sqrt(max(0.0, 1 - self.study.draft / half))
         reached = 1 - math.exp(-degree * half / (EDGE_DEGREES * device.radius))
         return AT_EDGE * reached * sharp + BELOW_EQUATOR * degree * below / half
 
