@@ -59,9 +59,12 @@ def _grid(turns: int) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _rest_on_grid(shell: Shell, turns: int, degree: int) -> tuple[Curve, FloatArray]:
-    """The meridian at rest on the grid, and the Legendre polynomials there: of all shapes of a shell."""
+    """The meridian at rest and Legendre polynomials on the grid, of all shapes of a shell: not to be written to."""
     grid = _grid(turns)
-    return shell.at_rest(grid), legvander(np.cos(grid), degree)
+    found = shell.at_rest(grid), legvander(np.cos(grid), degree)
+    for values in (*found[0], found[1]):
+        values.setflags(write=False)
+    return found
 
 
 @dataclass(frozen=True)
