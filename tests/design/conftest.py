@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
+from vsb.design.linearised import displacements
+from vsb.engine.hydro.database import Coefficients, with_excitation
+from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.waves.climate import Climate
+from vsb.models.floating_system import ShapeWater, buoy_at
+from vsb.models.rest import reference_shell
 from vsb.study.study import parse
 
 DEVICE = {
@@ -23,6 +28,15 @@ def study_of(**changes):
         "waves": [{"kind": "still"}],
     }
     return parse(raw | changes)
+
+
+def campaigns_buoy(study, grid, nodes):
+    """The buoy of a study in natural modes, its water solved at the frequencies of a year."""
+    reference, moved, water = reference_shell(study), displacements(study.modes.degree), study.water
+    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, nodes, water.depth)
+    solved = with_excitation(problem.solve(list(grid.omega)))
+    parts = solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
+    return buoy_at(study, reference, ShapeWater(moved, grid.omega, Coefficients(*parts)))
 
 
 @pytest.fixture(scope="session")

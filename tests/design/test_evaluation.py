@@ -6,24 +6,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.design.conftest import study_of
+from tests.design.conftest import campaigns_buoy, study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
-from vsb.design.linearised import displacements, linearised
+from vsb.design.linearised import linearised
 from vsb.design.optimise import Optimum, left_out
 from vsb.design.problem import spread
 from vsb.design.resting import RestingBuoy
 from vsb.design.searched import judged_at_rest
 from vsb.design.take_offs import SeveralYear
 from vsb.design.year import FrequencyGrid, YearMotion
-from vsb.engine.hydro.database import Coefficients, with_excitation
-from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.motion.tuning import best_matrix, powers_of_all, priced_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.floating_system import ShapeWater, buoy_at
-from vsb.models.rest import loaded_at_ring, reference_shell, stiffness_about
+from vsb.models.rest import loaded_at_ring, stiffness_about
 from vsb.study.campaign import sections
 from vsb.study.design import PARTS, Fatigue
 from vsb.study.resolution import expected_change
@@ -260,7 +257,10 @@ def test_power_after_conversion_is_that_of_each_sea(climate):
     study = study_of(pto={"stiffness": -3e4, "efficiency": 0.7})
     model = DesignModel.of(study, "VSWEC", seas, [])
     found, grid = model.at([]).quantities, model.grid
-    port, band = campaigns_buoy(model).ports(0.0)["VSWEC"], np.searchsorted(seas.edges, grid.omega) - 1
+    port, band = (
+        campaigns_buoy(model.study, model.grid, model.nodes).ports(0.0)["VSWEC"],
+        np.searchsorted(seas.edges, grid.omega) - 1,
+    )
     squares = 2 * density[:, band] * grid.variance / seas.mean_density[band]
     dampers = found["damping"].value * np.array([0.99, 1.0, 1.01])
     powers = powers_of_all(port, squares, dampers, np.full(3, -3e4), 0.7)
@@ -311,18 +311,6 @@ def test_a_buoy_that_does_not_rest_stably_has_no_power(climate):
         model_of(study_of(**soft), "VSWEC", climate, []).at([])
 
 
-def campaigns_buoy(model):
-    """The buoy of a study in natural modes, its water solved at the frequencies of the year."""
-    study, grid = model.study, model.grid
-    reference, moved, water = reference_shell(study), displacements(study.modes.degree), study.water
-    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
-    solved = with_excitation(problem.solve(list(grid.omega)))
-    coefficients = Coefficients(
-        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
-    )
-    return buoy_at(study, reference, ShapeWater(moved, grid.omega, coefficients))
-
-
 @pytest.mark.parametrize(
     ("design", "changes"),
     [
@@ -340,7 +328,7 @@ def test_the_year_is_that_of_a_campaign(climate, design, changes):
     study = study_of(**changes)
     model = DesignModel.of(study, design, climate, [])
     found, grid = model.at([]), model.grid
-    port = campaigns_buoy(model).ports(study.pto.stiffness)[design]
+    port = campaigns_buoy(model.study, model.grid, model.nodes).ports(study.pto.stiffness)[design]
     damping = np.array([found["damping"].value * factor for factor in (0.99, 1.0, 1.01)])
     power = port.power(damping) @ (2 * grid.variance)
     assert found["annual_mean_power"].value == pytest.approx(power[1], rel=1e-7)
@@ -355,7 +343,7 @@ def test_the_year_of_several_ports_is_that_of_a_campaign(climate, design, change
     """No damper matrix of the kind absorbs more in it, and no take-off more than V0^H (Re Y)^-1 V0/8."""
     model = DesignModel.of(study_of(**changes, pto=SEVERAL[take_off]), design, climate, [])
     found, squares = model.at([]), 2 * model.grid.variance
-    ports = campaigns_buoy(model).several_ports()[design]
+    ports = campaigns_buoy(model.study, model.grid, model.nodes).several_ports()[design]
     spread = take_off == "spread"
     dampers = found["damping"].value * np.eye(ports.velocity.shape[1]) if spread else found.dampers
     power = squares @ ports.power(dampers)
@@ -403,13 +391,7 @@ def test_what_a_clamped_design_leaves_out_holds_the_power_of_all_degrees(climate
         power[degree], damping = found["annual_mean_power"].value, damping or found["damping"].value
     grid = DesignModel.of(study, design, climate, []).grid
     whole = study.model_copy(update={"modes": Modes(basis="full", degree=many)})
-    reference, moved, water = reference_shell(whole), displacements(many), whole.water
-    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, 60, water.depth)
-    solved = with_excitation(problem.solve(list(grid.omega)))
-    coefficients = Coefficients(
-        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
-    )
-    port = buoy_at(whole, reference, ShapeWater(moved, grid.omega, coefficients)).ports(0.0)[design]
+    port = campaigns_buoy(whole, grid, 60).ports(0.0)[design]
     change = float(port.power(damping) @ (2 * grid.variance)) / power[9] - 1
     finer = [power[degree] / power[9] - 1 for degree in few[1:]]
     low, high = left_out(finer, expected_change(study, few[-1]))

@@ -7,16 +7,12 @@ import pytest
 from scipy.signal import find_peaks
 from scipy.stats import rayleigh
 
-from tests.design.conftest import study_of
+from tests.design.conftest import campaigns_buoy, study_of
 from vsb.design.evaluation import DesignModel
 from vsb.design.limits import damages
-from vsb.design.linearised import displacements
 from vsb.design.year import FrequencyGrid
-from vsb.engine.hydro.database import Coefficients, with_excitation
-from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.shell.modes import curvature_shapes, strain_shapes
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
-from vsb.models.floating_system import ShapeWater, buoy_at
 from vsb.models.rest import reference_shell
 from vsb.study.design import Fatigue
 
@@ -53,17 +49,13 @@ def test_strains_are_those_of_a_study(climate, design, changes):
     """Natural modes in place of functions, coefficients solved where the year is integrated, a fine search."""
     study, fatigue = study_of(**changes), Fatigue(exponent=3.0, strain=0.02)
     model = replace(DesignModel.of(study, design, climate, []), fatigue=fatigue)
-    found, grid, water = model.at([]), model.grid, study.water
-    reference, moved = reference_shell(study), displacements(study.modes.degree)
-    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
-    solved = with_excitation(problem.solve(list(grid.omega)))
-    parts = solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
-    buoy = buoy_at(study, reference, ShapeWater(moved, grid.omega, Coefficients(*parts)))
+    found, grid, basis = model.at([]), model.grid, reference_shell(study).basis
+    buoy = campaigns_buoy(study, grid, model.nodes)
     q, under = buoy.in_waves()[design].moved
     resisting = 1j * grid.omega * found["damping"].value
     amplitude = q + (resisting * (q @ buoy.port) / (1 - resisting * (under @ buoy.port)))[:, None] * under
     phi, half = np.linspace(1e-4, np.pi - 1e-4, 4001), study.device.thickness / 2
-    membrane, bending = strain_shapes(reference.basis, phi)[:2], curvature_shapes(reference.basis, phi)
+    membrane, bending = strain_shapes(basis, phi)[:2], curvature_shapes(basis, phi)
     strains = [e + side * half * k for e, k in zip(membrane, bending, strict=True) for side in (1, -1)]
     square = np.abs(amplitude[:, : len(membrane[0])] @ np.array(strains)) ** 2
     m_0, m_2 = (np.tensordot(square, grid.variance * grid.omega**power, ((1,), (0,))) for power in (0, 2))
