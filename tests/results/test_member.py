@@ -31,7 +31,10 @@ BAND = (0.1, 3.0)
 
 def year_of(study, seas, tunings=TUNINGS, **known):
     """The member of a study in water that acts on one ring."""
-    swept, rest = SimpleNamespace(band=BAND, at=lambda omega: water(study, omega=omega)), viability(study)
+    swept, rest = (
+        SimpleNamespace(band=BAND, on_rings=False, at=lambda omega: water(study, omega=omega)),
+        viability(study),
+    )
 
     def floating():
         return BuoyOfShape(with_designs(study, rest.designs), reference_shell(study), swept)

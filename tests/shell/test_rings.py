@@ -13,7 +13,7 @@ from vsb.engine.shell.meridian import capsule, spheroid
 from vsb.engine.shell.modes import mode_basis
 from vsb.engine.shell.orders import Ballast, order_basis, prestress_stiffness, semi_normalised
 from vsb.engine.shell.rings import BeltLoad, KinkModes, RingModes, along_wall, around_axis, normal_to_wall, vertical
-from vsb.engine.shell.ritz import bending_block, mass_block, membrane_block, twisted, twisting_mass
+from vsb.engine.shell.ritz import bending_block, legendre, mass_block, membrane_block, twisted, twisting_mass
 from vsb.engine.shell.shell import Shell
 
 DEVICE = Device(
@@ -211,6 +211,36 @@ def test_without_kinks_what_is_missed_falls_like_one_over_the_degree():
     limit = KinkModes(ROUND, 14, *load)._under_loads[1].item()
     missed = [1 - KinkModes(ROUND, 14, *load, n)._under_loads[1].item() / limit for n in (30, 60, 120, 240)]
     assert np.log2(missed[0] / missed[-1]) / 3 == pytest.approx(1.0, abs=0.1)
+
+
+def test_further_loads_leave_the_modes_of_the_first_as_they_are():
+    """Databases hold those of the port, designs add their clamps."""
+    shell, at = mode_basis(DEVICE, "full", 8).shell, np.array([0.3, 1.2, 2.5])
+    first = (normal_to_wall(0.0), normal_to_wall(np.pi))
+    few, more = (
+        RingModes(shell, 8, loads, (0.0,) * len(loads)) for loads in (first, (*first, *map(normal_to_wall, at)))
+    )
+    for one, other in zip(few.displacement(at), more.displacement(at), strict=True):
+        assert other[:2] == pytest.approx(one, rel=1e-9, abs=1e-12)
+    assert not more.of_loads(2)[2:].any()
+
+
+def test_degrees_of_what_bends_beside_rings_are_those_of_the_sphere():
+    """Of a spheroid as high as wide, by quadrature; together they are its displacement."""
+    shell, degree = mode_basis(DEVICE, "full", 8).shell, 8
+    loads = normal_to_wall(1.2), along_wall(1.2), normal_to_wall(0.0)
+    other = replace(shell, rest=spheroid(2.0, 4.0))
+    sphere, spheroidal = (
+        kind(one, degree, loads, (0.0,) * 3) for kind, one in ((RingModes, shell), (KinkModes, other))
+    )
+    found, expected = spheroidal.under_loads(60), sphere.under_loads(60)
+    assert found == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+    at = np.array([0.6, 1.9])
+    p, slope, _ = legendre(400, at)
+    radial, along = np.einsum("ml,aln->amn", spheroidal.of_loads(3), spheroidal.under_loads(400))
+    v, u, _ = spheroidal.displacement(at)
+    assert radial @ p == pytest.approx(v, abs=1e-4 * np.abs(v).max())
+    assert along @ slope == pytest.approx(u, abs=1e-3 * np.abs(u).max())
 
 
 def test_a_wall_pressed_more_than_it_resists_has_no_modes_of_rings():

@@ -115,6 +115,10 @@ class Section(BaseModel, metaclass=_Reported):
         """Return a part of a section: these keys alone, and some changed. Reading another raises `AttributeError`."""
         return self._of_keys({name: getattr(self, name) for name in names} | changed)
 
+    def has(self, name: str) -> bool:
+        """Whether a part of a section has a key."""
+        return name in self.__dict__
+
     @classmethod
     def part(cls, raw: Mapping[str, Any], **within: "type[Section]") -> Self:
         """Return a part of a section from its JSON, by name the sections in it that are parts as well."""

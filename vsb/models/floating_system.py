@@ -44,7 +44,6 @@ from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.models.rest import (
     design_motions,
-    motions_to_degree,
     order_bases,
     seen_by_take_off,
     side_by_side,
@@ -52,6 +51,7 @@ from vsb.models.rest import (
     viscous_parts,
     whole_stiffness,
     with_rings,
+    without_rings,
 )
 from vsb.study.body import BodyDesign
 from vsb.study.study import Study
@@ -151,6 +151,7 @@ class FloatingSystem:
     port: FloatArray  # b (dof,); of several ports at once B (dof, port)
     channels: int = 1  # azimuthal orders the port reaches: each may radiate, so that power is limited by as many λ/2π
     shape: DeformedShell | None = None  # a buoy moves about
+    on_rings: bool = False  # whether what its wall does beside loaded rings moves water
 
     @property
     def shell(self) -> DeformedShell:
@@ -193,10 +194,11 @@ class FloatingSystem:
         return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
 
-def floating_system(study: Study, database_path: str, highest: int = HIGHEST) -> FloatingSystem:
+def floating_system(study: Study, database_path: str, highest: int | None = None) -> FloatingSystem:
     """Return what floats in a study from its database.
 
-    Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`.
+    Degrees of its shell up to the highest answer loads at rings, see `vsb.models.rest`; where one is given, what they
+    do there moves no water.
     """
     if study.KIND == "body":
         return floating_body(study, stored_body(database_path))
@@ -206,7 +208,10 @@ def floating_system(study: Study, database_path: str, highest: int = HIGHEST) ->
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
-    ds, shape = stored_with_rings(study, ds, shape, highest)
+    dry, wet = without_rings(ds), highest is None and "Ring1" in ds.influenced_dof
+    ds, shape = stored_with_rings(study, ds if wet else dry, shape, highest or HIGHEST)
+    if shape.basis.rings is None:
+        ds = dry
     basis = shape.basis
     orders = order_bases(study, basis)
     port = port_direction(study.pto.port, shape, orders)
@@ -214,7 +219,7 @@ def floating_system(study: Study, database_path: str, highest: int = HIGHEST) ->
     buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())
     motions = {design: design_motions(study, basis, design) for design in study.designs}
     linear = with_open_chamber(buoy, port) if study.opens_chamber else buoy
-    return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape)
+    return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape, wet)
 
 
 # a body -------------------------------------------------------------------------------------------------------------
@@ -397,6 +402,11 @@ class ShapeWater:
     _errors: dict[Any, list[CoefficientError]] = field(default_factory=dict, repr=False, compare=False)  # the last ones
     _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last few
 
+    @property
+    def on_rings(self) -> bool:
+        """Whether it was solved for what the wall does beside loaded rings, too."""
+        return any(each.kind == "load" for each in self.displacements)
+
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
         own = self._combined(shares(self.displacements, basis))
@@ -487,6 +497,11 @@ class SweptShape:
         return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
 
     @property
+    def on_rings(self) -> bool:
+        """Whether it was solved for what the wall does beside loaded rings, too."""
+        return "Load1" in self.buoys[0].labels
+
+    @property
     def band(self) -> tuple[float, float]:
         """Lowest and highest frequency solved [rad/s]."""
         first, last = self.buoys[0].database.omega.values[[0, -1]]
@@ -507,9 +522,14 @@ class BuoyOfShape:
         return self.swept.band
 
     @property
+    def on_rings(self) -> bool:
+        """Whether what its wall does beside loaded rings moves water."""
+        return self.swept.on_rings
+
+    @property
     def moving(self) -> ReferenceShell:
         """Its shell at rest with all degrees of freedom it moves in: also the modes of rings that are loaded."""
-        return with_rings(self.study, self.reference)
+        return with_rings(self.study, self.reference, wet=self.on_rings)
 
     def at(self, omega: FloatArray) -> AtFrequencies:
         """Return it at frequencies; outside the band with the coefficients of its nearest end.
@@ -530,18 +550,9 @@ def kept_buoy(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtF
     return water.buoy_of(" ".join(parts), lambda: buoy_at(study, reference, water))
 
 
-def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:
-    """Return the buoy of a study at the frequencies of the coefficients of its shape.
-
-    Parameters
-    ----------
-    study : Study
-    reference : ReferenceShell
-    water : ShapeWater
-    degree : int, optional
-        Of a study in heave: higher shell modes of its basis are held, but for what they do under loads at rings.
-    """
-    reference = with_rings(study, reference, degree)
+def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
+    """Return the buoy of a study at the frequencies of the coefficients of its shape."""
+    reference = with_rings(study, reference, wet=water.on_rings)
     basis, families = reference.basis, order_bases(study, reference.basis)
     seen, chamber = seen_by_take_off(study, reference)
     inertia, damping = (
@@ -554,8 +565,6 @@ def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater, degree: 
         omega, water.in_modes(basis, families), inertia, damping + lossy, stiffness, stiffer, chamber
     )
     motions = {design: design_motions(study, basis, design) for design in study.designs}
-    if degree is not None:
-        motions = {design: motions_to_degree(study, basis, design, degree) for design in study.designs}
     port = port_direction(study.pto.port, reference.shape, families)
     return AtFrequencies(equation, motions, port, shell_shapes(basis, families))
 

@@ -17,7 +17,7 @@ import numpy as np
 from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.orders import heading_shares, with_haskind_damping
-from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, incident_wave, resolved
+from vsb.engine.hydro.spectral.solver import Geometry, SpectralProblem, fewest_nodes, incident_wave, resolved
 from vsb.engine.hydro.sweep import on_grid
 from vsb.engine.motion.port import Port, Ports
 from vsb.engine.motion.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
@@ -30,7 +30,7 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import ShapeWater, heading, kept_buoy
-from vsb.models.rest import loaded_at_ring, order_bases, reference_shell, with_rings
+from vsb.models.rest import load_displacements, loaded_at_ring, order_bases, reference_shell, with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.study.resolution import bending_degree, degree_needed
 from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
@@ -125,13 +125,19 @@ class _Around:
         return cls(np.array([at.x, at.z]).tobytes(), water, order, moved, omega, tolerance, shape)
 
 
+@lru_cache(maxsize=2)
+def _geometries(outline: bytes, order: int) -> dict[int, Geometry]:
+    """The wet meridian of a shape by nodes, which all displacements of it share."""
+    return {}
+
+
 @lru_cache(maxsize=KEPT)
 def _solved_around(one: _Around) -> ShapeWater:
     """Coefficients of displacements of one azimuthal order around a shape; those of the last shapes are kept."""
-    water, omega, nodes = one.water, list(one.omega), FEWEST_NODES
-    while nodes < min(MOST_POINTS, POINTS * max(each.degree for each in one.moved)):
-        nodes *= 2
-    problem = SpectralProblem(one.shape, one.moved, water.density, water.gravity, nodes, depth=water.depth)
+    water, omega = one.water, list(one.omega)
+    nodes = min(fewest_nodes(one.moved, POINTS), MOST_POINTS)
+    known = _geometries(one.outline, one.order)
+    problem = SpectralProblem(one.shape, one.moved, water.density, water.gravity, nodes, water.depth, known)
     problem, _ = resolved(problem, [omega[0], omega[-1]], one.tolerance, MOST_POINTS)
     found = with_excitation(on_grid(problem.solve, omega, one.tolerance, incident_wave(problem)).coefficients)
     if one.order:
@@ -153,6 +159,7 @@ class ModeConvergence:
     seas: Sequence[Sea]
     families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
     judged: bool = False  # only the take-offs whose powers are judged
+    wet: bool = False  # whether shapes beside loaded rings move water (`vsb.study.resolution.wets_rings`)
     _known: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -173,14 +180,21 @@ class ModeConvergence:
         return self.study.model_copy(update={"modes": modes, "motion": self._motion})
 
     def _solved(
-        self, shape: DeformedShell, highest: int, tolerance: float = SOLVED, *, meridional: bool = True
+        self,
+        shape: DeformedShell,
+        highest: int,
+        tolerance: float = SOLVED,
+        *,
+        meridional: bool = True,
+        loads: Sequence[Displacement] = (),
     ) -> ShapeWater:
         """Coefficients of displacements of a shape to a degree, at the frequencies of the seas.
 
         Those along the meridian move water around other shapes than spheres alone.
         """
         along = [Displacement("meridional", n) for n in range(1, highest + 1)] if meridional else []
-        first = self._of_order(shape, 0, [*(Displacement("radial", n) for n in range(highest + 1)), *along], tolerance)
+        radial = [Displacement("radial", n) for n in range(highest + 1)]
+        first = self._of_order(shape, 0, [*radial, *along, *loads], tolerance)
         if self._motion == "heave":
             return first
         orders = range(1, self._with(self.study.modes).modes.order + 1)
@@ -208,7 +222,8 @@ class ModeConvergence:
         """
         study = self._with(modes)
         reference = reference_shell(study)
-        water = self._around(reference.shape, max(modes.max_degree, 0 if study.at_equilibrium else among))
+        highest = max(modes.max_degree, 0 if study.at_equilibrium else among)
+        water = self._around(reference.shape, highest, load_displacements(study, reference) if self.wet else ())
         squares = self._sampled.squares
         squares = squares.reshape(len(squares), -1)
         ports = self._ports(study, reference, water)
@@ -220,7 +235,7 @@ class ModeConvergence:
         modes, port = self.study.modes, self.study.pto.port
         given = modes.degree or 0 if modes.basis == "full" else 0
         moved = [SHELL_MODE.fullmatch(name) for name in port.dofs] if isinstance(port, DofPort) else []
-        return max(given, degree_needed(self.study), *(int(mode[1]) for mode in moved if mode))
+        return max(given, degree_needed(self.study, wet=self.wet), *(int(mode[1]) for mode in moved if mode))
 
     @cached_property
     def finer(self) -> int:
@@ -251,11 +266,13 @@ class ModeConvergence:
             self._known[degree] = self.powers(full(degree), 0 if self.study.at_equilibrium else self.finer)
         return self._known[degree]
 
-    def _around(self, shape: DeformedShell, degree: int) -> ShapeWater:
-        """Coefficients of the displacements to a degree around a shape at rest."""
+    def _around(self, shape: DeformedShell, degree: int, loads: Sequence[Displacement] = ()) -> ShapeWater:
+        """Coefficients of the displacements to a degree around a shape at rest, and of those under loads at rings."""
         deformed = self.study.at_equilibrium
         meridional = deformed or self.study.device.shape is not None
-        return self._solved(shape, max(1, degree), SOLVED_EACH if deformed else SOLVED, meridional=meridional)
+        return self._solved(
+            shape, max(1, degree), SOLVED_EACH if deformed else SOLVED, meridional=meridional, loads=loads
+        )
 
     def _ports(self, study: Study, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.
@@ -268,7 +285,7 @@ class ModeConvergence:
             return buoy.several_ports()
         if self._motion != "free" and not directions.any():
             return buoy.ports()
-        reference, found = with_rings(study, reference), dict[str, Port | Ports]()
+        reference, found = with_rings(study, reference, wet=self.wet), dict[str, Port | Ports]()
         families = order_bases(study, reference.basis)
         orders = np.repeat(
             [0, *(each.signed for each in families)],

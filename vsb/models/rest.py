@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from scipy.linalg import block_diag, null_space
 
+from vsb.engine.hydro.dofs import Displacement
 from vsb.engine.hydro.orders import ORDER
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion.forces import loss, stiffening
@@ -31,7 +32,7 @@ from vsb.engine.shell.loaded import (
     equilibrium_near,
 )
 from vsb.engine.shell.lobes import with_lobes
-from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.engine.shell.modes import Mode, ModeBasis, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.engine.shell.rings import (
     HIGHEST,
@@ -48,6 +49,7 @@ from vsb.engine.shell.rings import (
 from vsb.engine.shell.shell import Shell
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.study.resolution import wet_degree
 from vsb.study.sections import RIGID
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -446,14 +448,19 @@ Load = RingLoad | BeltLoad
 
 
 def ring_loads(study: Study) -> tuple[Load, ...]:
-    """Return the loads at rings of all designs, mooring and take-off, each once."""
-    found: list[Load] = []
+    """Return the loads at rings of the take-off, then those of all designs and of the mooring, each once."""
+    found = [*port_loads(study)]
     for angle in _clamps(study):
         found += [normal_to_wall(angle), along_wall(angle)]
     held = study.pto.held
     if held is not None and held.place == "ring":
         found.append(vertical(np.deg2rad(held.colatitude)))
-    found += [load for port in study.pto.single_ports for load in _of_port(port)]
+    return tuple(dict.fromkeys(load for load in found if load.moves))
+
+
+def port_loads(study: Study) -> tuple[Load, ...]:
+    """Return the loads at rings of the take-off, each once; these are the ones that may see the water."""
+    found = (load for port in study.pto.single_ports for load in _of_port(port))
     return tuple(dict.fromkeys(load for load in found if load.moves))
 
 
@@ -483,24 +490,22 @@ def has_attachment_modes(study: Study) -> bool:
     return bool(study.flexible and study.modes.basis == "full")
 
 
-def with_rings(
-    study: Study, reference: ReferenceShell, degree: int | None = None, highest: int = HIGHEST
-) -> ReferenceShell:
+def with_rings(study: Study, reference: ReferenceShell, highest: int = HIGHEST, *, wet: bool = False) -> ReferenceShell:
     """Return a shell at rest with the modes of the rings that a study loads.
 
     Parameters
     ----------
     reference : ReferenceShell
         Without them.
-    degree : int, optional
-        Above which they answer; by default the highest of its modes.
     highest : int
         Degree up to which they do; without one above the modes there are none.
+    wet : bool
+        Whether still water acts on them, too.
     """
     basis = reference.basis
     if not basis.modes or not has_attachment_modes(study) or not (loads := ring_loads(study)):
         return reference
-    above = basis.highest_degree if degree is None else degree
+    above = basis.highest_degree
     if highest <= max(above, 1):
         return reference
     rings = attachment_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
@@ -522,7 +527,40 @@ def with_rings(
         stiffness["prestress"] = stiffness["prestress"] + whole.of_rings(rings.prestress)
     shape, more = reference.shape, len(whole.labels) - len(reference.shape.modal_amplitude)
     q = np.pad(shape.modal_amplitude, (0, more))  # the modes of rings are at rest
+    if wet:
+        stiffness["hydrostatic"] = _of_still_water(study, replace(shape, basis=whole, modal_amplitude=q))
     return ReferenceShell(replace(shape, basis=whole, modal_amplitude=q), stiffness)
+
+
+def _of_still_water(study: Study, shape: DeformedShell) -> FloatArray:
+    """Stiffness of still water over all degrees of freedom, those of rings by their degrees that it acts on [N/m]."""
+    basis, rings, wet = shape.basis, shape.basis.rings, len(port_loads(study))
+    assert rings is not None
+    amplitudes = np.einsum("ml,aln->man", rings.of_loads(wet), rings.under_loads(wet_degree(study))[:, :wet])
+    modes = tuple(_of_parts(label, parts) for label, parts in zip(rings.labels, amplitudes, strict=True))
+    whole = replace(shape, basis=replace(basis, modes=(*basis.modes, *modes), rings=None))
+    points = 4 * whole.basis.highest_degree + 40
+    stiffness = whole.hydrostatic_stiffness(study.water.density, study.water.gravity, points)
+    return (stiffness + stiffness.T) / 2
+
+
+def _of_parts(label: str, amplitudes: FloatArray) -> Mode:
+    """A shape of several degrees by their radial and meridional amplitudes, (2, degree)."""
+    first, *others = _parts(amplitudes)
+    return Mode(label, *first, tuple(others))
+
+
+def _parts(amplitudes: FloatArray) -> tuple[tuple[int, float, float], ...]:
+    """Degrees that take part, with their radial and meridional amplitudes; the first one in any case."""
+    return tuple((n, *pair) for n, pair in enumerate(amplitudes.T.tolist()) if any(pair) or not n)
+
+
+def load_displacements(study: Study, reference: ReferenceShell) -> tuple[Displacement, ...]:
+    """Return what the wall does under each load of the take-off at a ring, by all degrees that move water."""
+    if (rings := with_rings(study, reference).basis.rings) is None:
+        return ()
+    responses = rings.under_loads(wet_degree(study)).swapaxes(0, 1)[: len(port_loads(study))]
+    return tuple(Displacement("load", i, parts=_parts(one)) for i, one in enumerate(responses, 1))
 
 
 _ring_modes, _kink_modes = lru_cache(KEPT)(RingModes), lru_cache(KEPT)(KinkModes)
@@ -555,6 +593,12 @@ def tension_at(loads: tuple[Load, ...], loaded: LoadedShell, at_rest: FloatArray
     return tuple(force.tolist())
 
 
+def without_rings(database: xr.Dataset) -> xr.Dataset:
+    """Return a database without what it may know of the water beside loaded rings."""
+    labels = [label for label in database.influenced_dof.values if str(label).startswith("Ring")]
+    return database.drop_sel(dict.fromkeys(PAIR, labels)) if labels else database
+
+
 class Stored(NamedTuple):
     """A shell at rest as a hydro database has it, with the modes of rings."""
 
@@ -563,7 +607,10 @@ class Stored(NamedTuple):
 
 
 def stored_with_rings(study: Study, database: xr.Dataset, shape: DeformedShell, highest: int = HIGHEST) -> Stored:
-    """Return the database and the shape of a study with the modes of the rings that it loads; they move no water."""
+    """Return the database and the shape of a study with the modes of the rings that it loads.
+
+    They move no water that the database does not know of.
+    """
     names = [name for name in ("structural", "prestress") if f"{name}_stiffness" in database]
     none = dict.fromkeys(names, np.zeros((len(shape.basis.labels),) * 2))
     found = with_rings(study, ReferenceShell(shape, none), highest=highest)

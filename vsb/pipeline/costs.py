@@ -14,7 +14,7 @@ from vsb.engine.motion.take_off import Pto, SeveralPorts
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water
 from vsb.study.campaign import CAUSAL
-from vsb.study.resolution import AnyBlock, degree_needed
+from vsb.study.resolution import AnyBlock, degree_needed, wets_rings
 from vsb.study.specs import PanelsBlock, VerificationSpec
 from vsb.study.study import Study
 
@@ -36,6 +36,8 @@ DATABASE_SECONDS = (0.1, 1e-4)
 """Of a database of the spectral solver, once and for its motions squared."""
 LEFT_OUT_SECONDS = 1e-3
 """Of powers with up to twice as many shell modes, over their degree squared."""
+WET_SECONDS = 8.0
+"""The same where shapes beside loaded rings move water, beside it."""
 START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
 FIGURE_SECONDS = 0.15
@@ -144,7 +146,8 @@ def spectral_megabytes(displacements: int) -> int:
 
 def left_out_seconds(study: Study) -> float:
     """Return the CPU time of powers with up to twice as many shell modes, their water left out [s]."""
-    return float(LEFT_OUT_SECONDS * _enough(study) ** 2)
+    beside_rings = WET_SECONDS if study.has_shell and wets_rings(study) else 0.0
+    return float(LEFT_OUT_SECONDS * _enough(study) ** 2) + beside_rings
 
 
 def finer_water_seconds(buoy: Study) -> float:

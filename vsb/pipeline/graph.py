@@ -26,6 +26,7 @@ from vsb.study.resolution import (
     degree_needed,
     in_band,
     no_witness,
+    wets_rings,
     witness_meshes,
     witness_omega,
 )
@@ -556,7 +557,9 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """The hydro database: the blocks in terms of the shell modes."""
         hydro = self.study.hydro
         given = {
-            "study": self.shell("motion", "mooring"),
+            "study": self.loaded_shell("motion", "mooring")
+            if wets_rings(self.study)
+            else self.shell("motion", "mooring"),
             "sweep": [*map(block_id, self.sweep_blocks)],
             "tabulated": [*map(block_id, self.tabulated_blocks)],
             "omega_max": self.highest_omega,

@@ -145,7 +145,9 @@ ENDS = ("low", "high")
 """Of a range about zero: the value with all modes less the one computed."""
 
 
-def modes_left_out(study: Study, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None) -> xr.Dataset:
+def modes_left_out(
+    study: Study, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None, *, wet: bool = False
+) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
     Parameters
@@ -154,6 +156,8 @@ def modes_left_out(study: Study, seas: Sequence[tuple[Wave, Sea]], families: Seq
         Without still water.
     families : sequence of int, optional
         One sea of each, by index, that the damper for all seas is tuned to; by default all.
+    wet : bool
+        Whether shapes beside loaded rings move water.
 
     Returns
     -------
@@ -171,7 +175,8 @@ def modes_left_out(study: Study, seas: Sequence[tuple[Wave, Sea]], families: Seq
     """
     if not study.has_shell or not seas:
         return xr.Dataset()
-    found = _left_out(ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families))
+    directions = tuple(directed(wave, sea) for wave, sea in seas)
+    found = _left_out(ModeConvergence(study, directions, families, wet=wet))
     dims = ("design", "wave", "take_off", "end")
     coords = {
         "design": list(study.designs),
@@ -212,7 +217,9 @@ def left_out_of_year(study: Study, floating: Floating, climate: Climate) -> Left
     if not isinstance(floating, BuoyOfShape) or not floating.study.flexible:
         return LeftOut(*np.zeros((2, len(study.designs), len(ENDS))))
     buoy = floating.study
-    found = _left_out(ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True))
+    found = _left_out(
+        ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True, wet=floating.on_rings)
+    )
     widest = [np.stack([one[:, 0, :, 0].min(axis=1), one[:, 0, :, 1].max(axis=1)], axis=-1) for one in found]
     return LeftOut(*widest)
 
@@ -222,7 +229,7 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     study, finer = convergence.study, convergence.compared
     own = study.modes.basis == "full" and study.modes.max_degree == convergence.enough < convergence.finer
     before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
-    at_ring = np.array([loaded_at_ring(study, design) for design in study.designs])
+    at_ring = np.array([_uneven(convergence, design) for design in study.designs])
     share = expected_change(study, convergence.enough) * at_ring
     if study.at_equilibrium:  # each degree has its own water
         share = np.maximum(share, SCATTER * SOLVED_EACH)
@@ -243,6 +250,14 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
         gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], reach, points)
         gain[at] = 0.0  # over itself
     return LeftOut(power, gain)
+
+
+def _uneven(convergence: ModeConvergence, design: str) -> bool:
+    """Whether powers approach their limit unevenly: under loads at rings, but for ports whose modes see the water."""
+    study = convergence.study
+    if convergence.wet and not study.designs[design].clamp and study.pto.held is None:
+        return False
+    return loaded_at_ring(study, design)
 
 
 def _gains(power: FloatArray, at: int) -> FloatArray:

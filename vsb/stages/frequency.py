@@ -14,6 +14,7 @@ import xarray as xr
 
 from vsb.engine.hydro.database import load_database
 from vsb.engine.hydro.orders import order_groups
+from vsb.engine.hydro.quality import haskind_damping
 from vsb.engine.hydro.radiation import DampingSpectrum, RadiationModel, fit_radiation, joined
 from vsb.engine.hydro.variables import PAIR
 from vsb.engine.motion import frequency as response
@@ -97,9 +98,15 @@ class Memory(NamedTuple):
 def fit_orders(ds: xr.Dataset, tolerance: float) -> Memory:
     """Return the passive memory of a database, of each azimuthal order one of a single channel; see `fit_radiation`.
 
-    Motions that move no water, as pitch about a sphere's centre, are none of it.
+    Motions that move no water, as pitch about a sphere's centre, are none of it. Shapes beside a loaded ring move so
+    little that their damping is known from excitation alone (Haskind), by which all that radiate like them are passive.
     """
-    omega, damping = ds.omega.values, ds.radiation_damping.values
+    omega, damping = ds.omega.values, ds.radiation_damping.values.copy()
+    if "Ring1" in ds.influenced_dof:
+        own = order_groups(ds)[0]
+        depth, density, gravity = (float(ds.attrs[name]) for name in ("water_depth", "water_density", "gravity"))
+        alike = haskind_damping(ds.isel(dict.fromkeys(PAIR, own)), depth, density, gravity)
+        damping[np.ix_(np.arange(len(omega)), own, own)] = alike.real
     models, errors, fits = [], [], {}
     for order, group in order_groups(ds).items():
         wet = group[np.einsum("wii->wi", damping[:, group[:, None], group]).any(axis=0)]

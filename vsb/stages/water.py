@@ -15,7 +15,7 @@ from vsb.engine.hydro import database, orders, quality
 from vsb.engine.hydro.database import Check, with_history
 from vsb.engine.hydro.dofs import displacements
 from vsb.engine.hydro.panels.mesh import write_shell
-from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
+from vsb.engine.hydro.spectral.solver import MOST_NODES, SpectralProblem, converged, converged_on_grid, fewest_nodes
 from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
 from vsb.engine.shell.deformed import ReferenceShell, rigid_buoy
 from vsb.engine.shell.meridian import also_through, curve
@@ -23,7 +23,15 @@ from vsb.engine.shell.modes import Mode
 from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
-from vsb.models.rest import check_stable, mooring_stiffness, order_bases, order_stiffness, reference_shell
+from vsb.models.rest import (
+    check_stable,
+    load_displacements,
+    mooring_stiffness,
+    order_bases,
+    order_stiffness,
+    reference_shell,
+    with_rings,
+)
 from vsb.stages.stage import Stamp
 from vsb.study.resolution import COARSEST_SWEEP
 from vsb.study.specs import SpectralBlock, StudyPart
@@ -120,13 +128,15 @@ def _solved(block: SpectralBlock, share: float = 1.0) -> xr.Dataset:
 def spectral_problem(block: SpectralBlock) -> SpectralProblem:
     """Return the problem of a block: the shape at rest and its displacements."""
     shape, water = block.shape, block.water
+    moved = displacements(block.displacements, block.order)
     if isinstance(shape, Study):
-        shell = reference_shell(shape).shape
+        reference = reference_shell(shape)
+        shell, moved = reference.shape, (*moved, *(load_displacements(shape, reference) if shape.has("pto") else ()))
     else:
         rest = shape.shape.meridian(shape.radius) if shape.shape else None
         shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
-    moved = displacements(block.displacements, block.order)
-    return SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
+    nodes = min(fewest_nodes(moved), MOST_NODES)
+    return SpectralProblem(shell, moved, water.density, water.gravity, nodes, depth=water.depth)
 
 
 def geometry_errors(block: SpectralBlock) -> dict[str, object]:
@@ -176,6 +186,8 @@ def run_database(
     precision = min(1.0, tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
     reference = reference_shell(study)
     families = order_bases(study, reference.basis)
+    if study.has("pto"):  # beside loaded rings, too
+        reference = with_rings(study, reference, wet=True)
 
     def in_modes(blocks: Blocks) -> tuple[tuple[list[_Part], list[xr.Dataset], list[xr.Dataset] | None], list[Check]]:
         parts = [_Part(study, reference, blocks, basis) for basis in (None, *(one for one in families if not one.odd))]

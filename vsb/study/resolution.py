@@ -144,11 +144,16 @@ class HydroPlan:
         study, radius, height = self.study, self.study.device.radius, self.study.centre_height
         if not study.rests_deformed:
             return Sphere(radius=radius, centre_height=height, shape=study.device.shape)
-        at_rest = {
-            "device": study.device.model_copy(update={"damping": StructuralDamping()}),
-            "water": study.water.model_copy(update={"depth": math.inf}),
+        return self.shell(**self._at_rest)
+
+    @property
+    def _at_rest(self) -> dict[str, Any]:
+        """Sections of a shell at rest, where neither damping nor depth matter."""
+        device, water = self.study.device, self.study.water
+        return {
+            "device": device.model_copy(update={"damping": StructuralDamping()}),
+            "water": water.model_copy(update={"depth": math.inf}),
         }
-        return self.shell(**at_rest)
 
     def shell(self, *names: str, **changed: Any) -> Study:
         """Return what of the study its shell at rest follows from, for all its designs; and further sections."""
@@ -170,6 +175,10 @@ class HydroPlan:
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
         return (*radial, *meridional) if self.study.rests_deformed or shaped else radial
 
+    def loaded_shell(self, *names: str, **changed: Any) -> Study:
+        """Return what of the study its shell at rest and its ports follow from; and further sections."""
+        return self.shell(*names, pto=self.study.pto.place, **changed)
+
     def mesh(self, omega: float) -> Mesh:
         """Spec of the mesh that serves frequencies up to omega."""
         return Mesh(shape=self.shape, **dict(self.resolution(omega)))
@@ -187,7 +196,10 @@ class HydroPlan:
         }
         if self.study.uses_panels:
             return PanelsBlock(solver=panel_solver(), mesh=self.mesh(highest), **asked)
-        return SpectralBlock(solver="spectral", shape=self.shape, tolerance=self.study.hydro.tolerance, **asked)
+        shape: Sphere | Study = self.shape
+        if wets_rings(self.study) and not order:
+            shape = self.loaded_shell(**self._at_rest, motion="heave")
+        return SpectralBlock(solver="spectral", shape=shape, tolerance=self.study.hydro.tolerance, **asked)
 
     @property
     def refinement(self) -> int:
@@ -434,9 +446,13 @@ WITHIN = 4.0
 rho g [-]."""
 AT_POINTS = 4.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
+AT_WET_POINTS = 1.5
+"""The same where shapes beside them move water, too [-]."""
 RADIAL = 8.0
 """Change of the power of a port normal to the wall at a ring, which drives the bending of a soft wall in waves, over
 that of one that heaves [-]."""
+WET_RADIAL = 3.0
+"""The same where the shapes beside its ring move water, too [-]."""
 TURNS = 5.0
 """The same of a port that surges or pitches with the buoy: the shell is a spring between water and ballast [-]."""
 SHAPES = 2.0
@@ -466,6 +482,31 @@ def bending_degree(study: Study) -> float:
     return float((12 * (1 - device.poisson_ratio**2)) ** 0.25 * math.sqrt(_reach(study) / device.thickness))
 
 
+def wets_rings(study: Study) -> bool:
+    """Return whether shapes beside loaded rings move water: where a port drives the bending of the wall, if linear.
+
+    Beside other loads they move hardly any. Panels and a moving wetted surface would not resolve them.
+    """
+    if not study.flexible or study.modes.basis != "full" or study.hydro.model != "linear" or study.uses_panels:
+        return False
+    return any(
+        isinstance(port, BetweenPort) or (isinstance(port, ShellPort) and port.direction == "radial")
+        for port in study.pto.single_ports
+    )
+
+
+WET, MOST_WET = 6.0, 240
+"""Degree to which what bends beside a loaded ring moves water, over `bending_degree`, and at most."""
+
+
+def wet_degree(study: Study) -> int:
+    """Return the degree to which the shapes beside loaded rings move water, if they do.
+
+    It rises with that of the modes, so that their change with it holds what it leaves out, too.
+    """
+    return min(MOST_WET, max(math.ceil(WET * bending_degree(study)), 2 * study.modes.max_degree))
+
+
 def _reach(study: Study) -> float:
     """Largest radius of the shell, or half its height [m]."""
     radius, rest = study.device.radius, study.device.meridian
@@ -481,14 +522,21 @@ def expected_change(study: Study, degree: int) -> float:
     return 1 / (wall_stiffness(study, degree) * math.pow(degree, 1.4))
 
 
-def degree_needed(study: Study) -> int:
+def degree_needed(study: Study, wet: bool | None = None) -> int:
     """Return the least of `DEGREES` that is expected to leave out no more than `modes.tolerance`, or the highest.
 
     A wall as soft as the water resonates in waves; where the port lies within the shell, all power comes from what the
     wall yields, and of one between two points most of it yields near them; where the port surges or pitches, the shell
     is a spring between the water and the ballast; a port normal to the wall drives its bending. How much is left out is
     measured afterwards (`vsb.results.budget`).
+
+    Parameters
+    ----------
+    study : Study
+    wet : bool, optional
+        Whether shapes beside loaded rings move water; by default as of `wets_rings`.
     """
+    wet = wets_rings(study) if wet is None else wet
     stiffness, port = wall_stiffness(study, 2), study.pto.port
     ports = [*port.ports.values()] if isinstance(port, SeveralPorts) else [port]
     rings = [one for one in ports if isinstance(one, ShellPort)]
@@ -503,8 +551,8 @@ def degree_needed(study: Study) -> int:
     if turns:
         factor *= TURNS
     if any(one.direction == "radial" for one in rings):
-        factor *= RADIAL
+        factor *= WET_RADIAL if wet else RADIAL
     enough = study.modes.tolerance / factor
     between = any(isinstance(one, BetweenPort) for one in ports)
-    least = AT_POINTS * bending_degree(study) if between else 0.0
+    least = (AT_WET_POINTS if wet else AT_POINTS) * bending_degree(study) if between else 0.0
     return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])

@@ -204,18 +204,21 @@ def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
     """Return the displacements that heave and modes consist of, shape (dof, displacement) [-].
 
+    Those under loads at rings, the first ones of the modes of rings, are parts of these, which move no other water.
     Raises `DatabaseError` if a displacement they need was not solved for.
     """
     degrees = {degree for mode in basis.shapes for degree, _, _ in mode.parts}
-    if missing := {Displacement("radial", n) for n in degrees} - set(solved):
-        lacking, labels = sorted(each.label for each in missing), [each.label for each in solved]
-        raise DatabaseError(f"displacements {lacking} of the modes are not among those solved, {labels}.")
-    found, place = np.zeros((len(basis.shapes), len(solved))), {each: j for j, each in enumerate(solved)}
+    place = {each.label: j for j, each in enumerate(solved)}
+    if lacking := sorted({f"Radial{n}" for n in degrees} - {*place}):
+        raise DatabaseError(f"displacements {lacking} of the modes are not among those solved, {[*place]}.")
+    found = np.zeros((len(basis.shapes), len(solved)))
     for row, mode in zip(found, basis.shapes, strict=True):
         for degree, radial, meridional in mode.parts:
-            row[place[Displacement("radial", degree)]] += radial
-            if degree and (j := place.get(Displacement("meridional", degree))) is not None:
+            row[place[f"Radial{degree}"]] += radial
+            if degree and (j := place.get(f"Meridional{degree}")) is not None:
                 row[j] += meridional
+    if basis.rings and (loads := [j for j, each in enumerate(solved) if each.kind == "load"]):
+        found[-len(basis.rings.labels) :, loads] = basis.rings.of_loads(len(loads))
     return found
 
 

@@ -55,11 +55,12 @@ def bessel(order: int, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     return (j1(x), j0(x)) if order == 1 else (jv(order, x), jv(order - 1, x))
 
 
-Kind = Literal["radial", "meridional", "surge", "heave", "pitch"]
+Kind = Literal["radial", "meridional", "load", "surge", "heave", "pitch"]
 _ORDER = {"surge": 1, "heave": 0, "pitch": 1}
 """Azimuthal order of the rigid motions in the plane of the waves."""
 _NEEDED = (
-    "needs Radial<n> (n >= order) or Meridional<n> (n >= order, n > 0), Heave of order 0, or Surge or Pitch of order 1"
+    "needs Radial<n> (n >= order) or Meridional<n> (n >= order, n > 0), Load<i> or Heave of order 0, or Surge or Pitch "
+    "of order 1"
 )
 
 
@@ -69,20 +70,23 @@ class Displacement:
 
     Shapes of the shell are P_n^m(cos phi) along e_r (radial) and its derivative by phi along e_phi (meridional), phi
     the colatitude on the undeformed sphere. Rigid motions are surge along x, heave along z, and pitch about the y axis
-    through the origin, as capytaine's [m/s per rad/s].
+    through the origin, as capytaine's [m/s per rad/s]. What the wall does under a load at a ring has many degrees.
     """
 
     kind: Kind
-    degree: int = 1  # n; of a rigid motion 1
+    degree: int = 1  # n; of a rigid motion 1, of a load its number
     order: int = 0  # m
+    parts: tuple[tuple[int, float, float], ...] = ()  # under a load: degrees, radial and meridional amplitude of each
 
     def __post_init__(self) -> None:
         """Refuse unknown kinds, and kinds that this order does not have."""
         if self.kind not in get_args(Kind):
             raise ConfigError(f"displacements: received kind {self.kind!r}; needs one of {', '.join(get_args(Kind))}")
-        least = max(self.order, 1 if self.kind == "meridional" else 0)
-        if self.order < 0 or (
-            (self.order, self.degree) != (_ORDER[self.kind], 1) if self.rigid else self.degree < least
+        least = max(self.order, 0 if self.kind == "radial" else 1)
+        if (
+            self.order < 0
+            or (self.kind == "load" and self.order)
+            or ((self.order, self.degree) != (_ORDER[self.kind], 1) if self.rigid else self.degree < least)
         ):
             raise ConfigError(f"displacements: received {self.label} of azimuthal order {self.order}; {_NEEDED}")
 
@@ -92,19 +96,26 @@ class Displacement:
         return self.kind in _ORDER
 
     @property
+    def highest(self) -> int:
+        """The highest Legendre degree of it."""
+        return max((part[0] for part in self.parts), default=self.degree)
+
+    @property
     def label(self) -> str:
         """Its name among displacements of one azimuthal order, on disk and in content ids."""
         return self.kind.capitalize() + ("" if self.rigid and self.degree == 1 else str(self.degree))
 
 
 def displacements(labels: Iterable[str], order: int = 0) -> tuple[Displacement, ...]:
-    """Return the displacements of an azimuthal order that labels name: Radial<n>, Meridional<n>, Surge, Heave, Pitch.
+    """Return the displacements of an azimuthal order that labels name: Radial<n>, Meridional<n>, Load<i>, Heave, ...
+
+    Of loads the parts are not known.
 
     Raises `ConfigError` if the order has no displacement of a name.
     """
 
     def one(label: str) -> Displacement:
-        match = re.fullmatch(r"(Radial|Meridional)(0|[1-9][0-9]{0,3})|Surge|Heave|Pitch", label)
+        match = re.fullmatch(r"(Radial|Meridional|Load)(0|[1-9][0-9]{0,3})|Surge|Heave|Pitch", label)
         if match is None:
             raise ConfigError(
                 f"displacements: received {' '.join(label.split())[:40]} of azimuthal order {order}; {_NEEDED}"
@@ -158,6 +169,10 @@ def normal_velocities(
     def velocity(each: Displacement) -> FloatArray:
         if each.rigid:
             return np.asarray(rigid[each.kind])
+        if each.kind == "load":
+            degrees, radial, meridional = np.array(each.parts).T
+            p, slope, _ = (table[degrees.astype(int)] for table in legendre(each.highest, colatitude))
+            return np.asarray(along_r * (radial @ p) + along_phi * (meridional @ slope))
         p, slope = legendre_function(each.degree, each.order, colatitude)
         return np.asarray(p * along_r if each.kind == "radial" else slope * along_phi)
 

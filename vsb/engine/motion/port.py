@@ -420,7 +420,7 @@ def _axisymmetric_port(
     if not isinstance(choice, ShellPort) or choice.against == "frame":
         direction = direction * (1 - heave)  # rigid heave does not move these
     kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()
-    return np.asarray(np.where(kept, direction, 0.0))
+    return np.asarray(direction - np.where(kept, 0.0, direction.real))  # an imaginary step remains
 
 
 def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArray:

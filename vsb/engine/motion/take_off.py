@@ -414,6 +414,12 @@ class Pto(Brief):
         return tuple(self.port.ports.values()) if isinstance(self.port, SeveralPorts) else (self.port,)
 
     @property
+    def place(self) -> "Pto":
+        """Its port alone, whatever its dampers."""
+        port = self.port.model_copy(update={"damping": None}) if isinstance(self.port, SeveralPorts) else self.port
+        return Pto(port=port)
+
+    @property
     def on_shell(self) -> bool:
         """Whether a port of it is at points of the shell, or moves with its strain."""
         return any(isinstance(port, _AXISYMMETRIC) for port in self.single_ports)

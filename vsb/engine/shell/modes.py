@@ -258,7 +258,7 @@ class ModeBasis:
     def displacement_and_slope(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return radial and meridional shapes at points, then their slopes by colatitude, each (dof, point) [-]."""
         tables = legendre(self.highest_degree, colatitude)
-        if self.shell.rest is not None:
+        if self.shell.rest is not None or any(mode.others for mode in self.modes):
             (radial, meridional), (p, dp, ddp) = self.shares, tables
             return radial @ p, meridional @ dp, radial @ dp, meridional @ ddp
         p, dp, ddp = (table[list(self.degrees)] for table in tables)

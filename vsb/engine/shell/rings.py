@@ -7,8 +7,9 @@ degree. One further shape for each load,
 
     w_n = K_n^-1 R_n^T,    n > N,
 
-is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves hardly any water, its
-wavelengths being short, and none is counted.
+is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves little water, its
+wavelengths being short, which counts where a take-off drives the bending of the wall beside a ring
+(`vsb.study.resolution.wets_rings`).
 Those of other shapes than the sphere are in `vsb.engine.shell.rings`.
 
 Loads that go with cos(m theta), m >= 1, do the same: of radial displacements and gradients along the surface a degree
@@ -56,7 +57,7 @@ AT_POLE = 1e-9
 TWISTS = 4
 """Degree up to which twists are degrees of freedom of their own."""
 SAME = 1e-10
-"""Part of the largest compliance of a combination of loads below which it repeats others [-]."""
+"""Part of the compliance of a load below which, without what others do, it repeats these [-]."""
 
 
 class RingLoad(NamedTuple):
@@ -197,16 +198,46 @@ class AttachmentModes(ABC):
 
     @cached_property
     def _combinations(self) -> FloatArray:
-        """Responses and twists of the modes, one column for each: of equal stiffness and without coupling."""
+        """Responses and twists of the modes, one column for each: of equal stiffness and without coupling.
+
+        Each is of one load and of those before it: further loads leave the modes of the first ones as they are.
+        """
         if self.stepped_from:
             return self.stepped_from._combinations
         _, elastic, stretched = self._under_loads
-        loads = slice(len(self.loads))
-        compliance, directions = np.linalg.eigh((elastic + stretched)[loads, loads])
-        kept = compliance > SAME * compliance[-1]
-        combined = directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1])
-        stiffness = np.diag(elastic)[len(self.loads) :]
-        return np.asarray(block_diag(combined, np.diag(1 / np.sqrt(stiffness * compliance[-1]))))
+        count = len(self.loads)
+        compliance, combined = (elastic + stretched)[:count, :count], np.zeros((count, 0))
+        own = np.diag(compliance)
+        first = next((each for each in own if each > SAME * own.max()), 1.0)
+        for i, load in enumerate(np.eye(count)):
+            for _ in range(2):  # once more, for round-off
+                load = load - combined @ (combined.T @ compliance @ load)
+            if (left := load @ compliance @ load) > SAME * max(own[i], first):
+                combined = np.column_stack([combined, load / np.sqrt(left)])
+        twists = np.diag(1 / np.sqrt(np.diag(elastic)[count:]))
+        return np.asarray(block_diag(combined, twists) / np.sqrt(first))
+
+    @cached_property
+    def _own_compliance(self) -> FloatArray:
+        """Displacement of each load under itself, shape (load,) [m/N]."""
+        loads, (_, elastic, stretched) = len(self.loads), self._under_loads
+        return np.diag(elastic + stretched)[:loads]
+
+    def of_loads(self, count: int) -> FloatArray:
+        """Return the share in each mode of what a unit displacement of the first loads does, shape (mode, count) [-].
+
+        Of modes of further loads 0.
+        """
+        alone = ~self._combinations[count:].any(axis=0)
+        return np.asarray((self._combinations[:count] * alone * self._own_compliance[:count, None]).T)
+
+    def under_loads(self, highest: int) -> FloatArray:
+        """Return radial and meridional amplitudes of degrees, where each load moves by one, (2, load, degree) [-]."""
+        return self._in_degrees(highest) / self._own_compliance[:, None]
+
+    @abstractmethod
+    def _in_degrees(self, highest: int) -> FloatArray:
+        """Radial and meridional amplitudes of degrees to one under each load, shape (2, load, degree) [m/N]."""
 
     def _over_modes(self, matrix: FloatArray) -> FloatArray:
         """A matrix over the loads as one over the modes."""
@@ -257,6 +288,12 @@ class RingModes(AttachmentModes):
             stiffness = elastic + (force if force.real > 0 else 0.0) * stretched
             found.append(np.linalg.solve(stiffness, rows[..., i, None]))
         return np.pad(np.concatenate(found, axis=-1), ((0, 0), (0, 0), (0, self._own)))
+
+    def _in_degrees(self, highest: int) -> FloatArray:
+        """See `AttachmentModes`; of order 0."""
+        found, inside = np.zeros((2, len(self.loads), highest + 1)), self._degrees <= highest
+        found[:, :, self._degrees[inside]] = self._responses[inside].transpose(1, 2, 0)
+        return found
 
     @cached_property
     def _twist_responses(self) -> FloatArray:
@@ -528,6 +565,18 @@ class KinkModes(AttachmentModes):
         responses, tension = self._responses, np.array(self.tension)
         mass, elastic, stretched = (responses.T @ matrix @ responses for matrix in self._matrices)
         return mass, elastic, np.asarray(np.add.outer(tension, tension) / 2 * stretched)
+
+    def _in_degrees(self, highest: int) -> FloatArray:
+        """See `AttachmentModes`: by orthogonality of Legendre's functions and of their derivatives."""
+        ends = sorted(
+            {*self._rings, *GRADED, *(math.pi - angle for angle in GRADED)} if self._poles else {*self._rings}
+        )
+        phi, dphi = meridian_rule(ends, 2 * (highest + self._finest) + 64)
+        (v, u), (p, slope, _) = self._values(phi), _harmonics(np.arange(highest + 1), 0, phi)
+        n, weight = np.arange(highest + 1), dphi * np.sin(phi) / 2
+        radial = (self._responses.T @ v * weight) @ p.T * (2 * n + 1)
+        along = (self._responses.T @ u * weight) @ slope.T * (2 * n + 1) / np.maximum(n * (n + 1), 1)
+        return np.array([radial, along])
 
     def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return displacements along e_r, e_phi and e_theta at colatitudes [rad], each shape (mode, point) [-]."""

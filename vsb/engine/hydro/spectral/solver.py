@@ -13,9 +13,11 @@ eigenfrequencies of the water inside ("irregular frequencies").
 Over a band, points and frequencies are as few as the tolerances allow (`converged`, `converged_on_grid`).
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -41,6 +43,13 @@ _Column = tuple[FloatArray | ComplexArray, ...]
 """Added mass, damping, Froude-Krylov and diffraction force at one frequency."""
 
 
+class Geometry(NamedTuple):
+    """The wet meridian at some nodes, and the last waves' part of Green's function between them."""
+
+    meridian: WetMeridian
+    surface: list[WavePart]
+
+
 @dataclass(frozen=True)
 class SpectralProblem:
     """Radiation and diffraction of prescribed displacements of the immersed shell, all of one azimuthal order m.
@@ -55,8 +64,8 @@ class SpectralProblem:
     gravity: float
     nodes: int
     depth: float = np.inf
+    known: dict[int, Geometry] = field(default_factory=dict, repr=False, compare=False)  # by nodes; of one shape shared
     _columns: dict[float, _Column] = field(default_factory=dict, init=False, repr=False, compare=False)
-    _surface: list[WavePart] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         azimuthal_order(self.displacements)
@@ -68,10 +77,17 @@ class SpectralProblem:
         """Azimuthal order m of all displacements."""
         return azimuthal_order(self.displacements)
 
-    @cached_property
+    @property
+    def _geometry(self) -> Geometry:
+        """What does not depend on displacements."""
+        if self.nodes not in self.known:
+            self.known[self.nodes] = Geometry(WetMeridian(self.shell, self.nodes, self.order), [])
+        return self.known[self.nodes]
+
+    @property
     def meridian(self) -> WetMeridian:
         """The wet side of the shell."""
-        return WetMeridian(self.shell, self.nodes, self.order)
+        return self._geometry.meridian
 
     @cached_property
     def velocities(self) -> FloatArray:
@@ -131,9 +147,10 @@ class SpectralProblem:
 
     def _surface_to(self, largest: float) -> WavePart:
         """The waves' part of Green's function up to a wavenumber [1/m]; what was made up to a larger one is kept."""
-        if not (self._surface and self._surface[0].largest >= largest):
-            self._surface[:] = [WavePart(self.meridian, largest)]
-        return self._surface[0]
+        surface = self._geometry.surface
+        if not (surface and surface[0].largest >= largest):
+            surface[:] = [WavePart(self.meridian, largest)]
+        return surface[0]
 
     def solve(self, omegas: list[float]) -> xr.Dataset:
         """Solve at positive, finite frequencies (else: `ConfigError`), each once; dataset as of rings of panels.
@@ -210,7 +227,16 @@ def _relative(other: ComplexArray | FloatArray, value: ComplexArray | FloatArray
 
 
 FEWEST_NODES = 16
+NODES_OF_LOADS = 1.5
+"""Nodes over the highest degree of what a wall does under a load: the higher, the less of it [-]."""
 MOST_NODES = 256
+
+
+def fewest_nodes(moved: Sequence[Displacement], each_degree: float = 0.0) -> int:
+    """Return a power of two of nodes to begin with: enough for loads, of other shapes so many for each degree."""
+    of_loads = NODES_OF_LOADS * max((one.highest for one in moved if one.kind == "load"), default=0)
+    needed = max(of_loads, each_degree * max(one.highest for one in moved if one.kind != "load"))
+    return max(FEWEST_NODES, 2 ** math.ceil(math.log2(needed)) if needed else 0)
 
 
 def incident_wave(problem: SpectralProblem) -> IncidentWave:
