@@ -127,7 +127,7 @@ def same_limit(folder: Path) -> Figures:
 
 def port_within(folder: Path) -> Figures:
     """A take-off between the poles: nothing from a rigid buoy; from a shell, in theory, as much as from heave."""
-    found = Ladder(study_of([regular(3.06)], pto={"port": {"between": (0.0, 180.0)}}), folder)
+    found = Ladder(study_of([regular(3.06)], pto={"port": {"between": (0.0, 180.0)}}, modes={"degree": 60}), folder)
     heave = Ladder(study_of([regular(3.06)]), folder)
     return {
         "rigid, optimal damper [W]": found.power(RIGID, "best_damper"),
