@@ -347,17 +347,17 @@ def test_power_between_the_poles_converges_with_few_degrees(seed):
 
 @pytest.mark.parametrize("port", [{"between": [0.0, 180.0]}, {"colatitude": 110.0, "direction": "radial"}])
 def test_water_beside_a_port_makes_fewer_modes_enough(seed, port):
-    """Against all modes of degree 90, of r/h 100 in 2.8 and 4.8 s; dry, what bends beside it errs much more."""
-    thin = {"thickness": 2 / 100, "young_modulus": 6.0e7, "density": 1100.0}
+    """Against all modes of degree 60, of r/h 40 in 4.8 s; dry, what bends beside it errs much more."""
+    thin = {"thickness": 2 / 40, "young_modulus": 2.4e7, "density": 1100.0}
     pto = {"port": port, "damping": None, "tuning": "each"}
-    full = {"basis": "full", "degree": 30}
-    study = varied(seed, device=thin, designs=ALONE, pto=pto, waves=regular(2.8, 4.8), modes=full)
-    every = searched(study).powers(Modes(basis="full", degree=90))[0, :, 1]
+    full = {"basis": "full", "degree": 20}
+    study = varied(seed, device=thin, designs=ALONE, pto=pto, waves=regular(4.8), modes=full)
+    every = searched(study).powers(Modes(basis="full", degree=60))[0, :, 1]
     dry, wet = (
-        np.abs(replace(searched(study), wet=wet).powers(Modes(basis="full", degree=30), 90)[0, :, 1] / every - 1)
+        np.abs(replace(searched(study), wet=wet).powers(Modes(basis="full", degree=20), 60)[0, :, 1] / every - 1)
         for wet in (False, True)
     )
-    assert wet.max() < 2e-3
+    assert wet.max() < 1e-4
     assert wet.max() < dry.max() / 10
 
 
