@@ -173,13 +173,15 @@ def assert_same_in_other_units(own, other, units=UNITS, free=()):
                     gain = key.endswith("gain_percent") or (key in {"low", "high"} and table != "ladder")
                     least = 100 * rtol if gain else 1e-9  # a gain is of two powers, each to rtol, in percent
                     assert restated_row[key] == pytest.approx(factor(unit) * value, rel=rtol, abs=least), here
+                elif key == "numerical":  # relative errors
+                    assert restated_row[key] == pytest.approx(value, rel=part(key), abs=1e-9), here
                 else:
                     assert restated_row[key] == value, here
 
 
 def part(key):
     """Relative tolerance; error estimates are differences of two sensitivities."""
-    return 1e-4 if key.startswith(("errors", "power_error", "gain_error")) else 1e-6
+    return 1e-4 if key.startswith(("errors", "power_error", "gain_error", "numerical")) else 1e-6
 
 
 def by_label(plan):
