@@ -155,8 +155,9 @@ def test_all_products_are_there_and_consistent(folder):
     assert index[0].startswith("id\tradius_m")
     assert len(index) == 2
     meshes = folder / "results" / "hydro" / "mesh"
-    names = {path.stem for path in meshes.glob("*/*.nc")}
-    assert names == {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
+    (shapes,) = meshes.glob("*/shapes.nc")
+    names = {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
+    assert {*map(str, load(shapes).shape.values)} == names
     assert len([*meshes.glob("*/shell.vtu")]) == 1
 
 
