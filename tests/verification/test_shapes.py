@@ -80,6 +80,7 @@ def test_gain_of_a_clamped_spheroid(agree, run, height):
     results = run(
         f"clamped{height:.0f}",
         device={**device, "shape": {"spheroid": {"height": height}}},
+        hydro={"tolerance": 1.0e-3, "omega_max": 14.0, "witness": "none"},  # modes of flat shells damp shorter waves
         modes={"basis": "full", "degree": 30},
         designs={"FSB": {"flexible": False}, "CLAMPED": {"clamp": 90}},
         waves=[{"kind": "regular", "amplitude": 0.05, "period": t} for t in PERIODS],
