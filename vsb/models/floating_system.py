@@ -522,14 +522,9 @@ class BuoyOfShape:
         return self.swept.band
 
     @property
-    def on_rings(self) -> bool:
-        """Whether what its wall does beside loaded rings moves water."""
-        return self.swept.on_rings
-
-    @property
     def moving(self) -> ReferenceShell:
         """Its shell at rest with all degrees of freedom it moves in: also the modes of rings that are loaded."""
-        return with_rings(self.study, self.reference, wet=self.on_rings)
+        return with_rings(self.study, self.reference, wet=self.swept.on_rings)
 
     def at(self, omega: FloatArray) -> AtFrequencies:
         """Return it at frequencies; outside the band with the coefficients of its nearest end.

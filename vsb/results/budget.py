@@ -218,7 +218,7 @@ def left_out_of_year(study: Study, floating: Floating, climate: Climate) -> Left
         return LeftOut(*np.zeros((2, len(study.designs), len(ENDS))))
     buoy = floating.study
     found = _left_out(
-        ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True, wet=floating.on_rings)
+        ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True, wet=floating.swept.on_rings)
     )
     widest = [np.stack([one[:, 0, :, 0].min(axis=1), one[:, 0, :, 1].max(axis=1)], axis=-1) for one in found]
     return LeftOut(*widest)

@@ -10,7 +10,7 @@ degree. One further shape for each load,
 is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves little water, its
 wavelengths being short, which counts where a take-off drives the bending of the wall beside a ring
 (`vsb.study.resolution.wets_rings`).
-Those of other shapes than the sphere are in `vsb.engine.shell.rings`.
+`RingModes` are of the sphere, `KinkModes` of other shapes.
 
 Loads that go with cos(m theta), m >= 1, do the same: of radial displacements and gradients along the surface a degree
 has the stiffness it has for m = 0 (`vsb.engine.shell.orders`). They also twist the wall,
