@@ -11,10 +11,12 @@ from hypothesis import strategies as st
 from motion.test_port import solved
 
 from vsb.engine.hydro.database import Coefficients
+from vsb.engine.motion import tuning
 from vsb.engine.motion.frequency import LinearEquation
 from vsb.engine.motion.port import LinearPto, Port, Ports, port_direction
 from vsb.engine.motion.take_off import DistributedPort, SeveralPorts
 from vsb.engine.motion.tuning import (
+    _Full,
     best_damper_of_each,
     best_dampers,
     best_matrix,
@@ -268,6 +270,25 @@ def test_matrix_reaches_the_matched_power_where_the_reactance_is_indefinite(coun
         assert full < 0.99 * matched
     else:
         assert full == pytest.approx(matched, rel=1e-5)
+
+
+def test_matrices_that_nearly_lock_the_ports_keep_a_power_that_can_be_computed(monkeypatch):
+    """A line search may leap to factors of 1e9, whose 1 + Y C is singular and gives any power."""
+    rng, form = np.random.default_rng(5), _Full(3)
+    ports, _ = one_channel(rng, 3, definite=False)
+    unit, direction = 1 / np.sqrt(ports.size), np.array([1.0, -0.7, 1e-9, 1.3, 1e-9, 1e-9])  # one column of L
+
+    def power_along(x):
+        damping, pull = form.matrix(x, unit)
+        power, slope = ports.power_and_slope(damping, ALL)
+        return power / ports.matched_power[0], pull(slope) / ports.matched_power[0]
+
+    for size in np.geomspace(1.0, 1e12, 200):
+        assert -1e-6 <= power_along(size * direction)[0] <= 1 + 1e-6
+    monkeypatch.setattr(tuning, "LOCKED", 2.0)
+    at, step = rng.normal(size=(2, 6)) * [[3.0], [1e-5]]
+    differences = power_along(at + step)[0] - power_along(at - step)[0]
+    assert 2 * power_along(at)[1] @ step == pytest.approx(differences, rel=1e-6)
 
 
 def test_a_port_that_cannot_move_has_no_damper():

@@ -502,6 +502,8 @@ SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
 ALONG = np.arange(-8.0, 9.0)
 """Logarithms of those dampers, where all ports have the same: power in them has no feature narrower than 1."""
+LOCKED = 1e4
+"""Norm of a Cholesky factor, in the ports' own units, beyond which round-off exceeds the power that more of it adds."""
 FORCE_KEPT, NEAR_PRICE = 1e-6, 1e-2
 """Relative tolerance on a limit of the rms of all forces, and of its price before secants."""
 
@@ -669,9 +671,15 @@ class _Full:
         return found
 
     def matrix(self, x: FloatArray, unit: FloatArray) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """C and what takes its slope back to x: dP/dL = 2 S G S L."""
-        factor, scale = self.factor(x), np.outer(unit, unit)
-        return scale * (factor @ factor.T), lambda slope: (2 * (scale * slope) @ factor)[self.at]
+        """C and what takes its slope back to x: dP/dL = 2 S G S L. Beyond `LOCKED` x counts as the nearest within."""
+        beyond = max(1.0, float(np.linalg.norm(x)) / LOCKED)
+        factor, scale = self.factor(x / beyond), np.outer(unit, unit)
+
+        def pull(slope: FloatArray) -> FloatArray:
+            found: FloatArray = (2 * (scale * slope) @ factor)[self.at] / beyond
+            return found if beyond == 1.0 else found - x * (x @ found) / (x @ x)
+
+        return scale * (factor @ factor.T), pull
 
     def starts(self, rng: np.random.Generator) -> list[FloatArray]:
         """Dampers of all sizes along all combinations of the ports."""
