@@ -71,9 +71,11 @@ def test_optimal_damping_says_that_it_knows_no_limits():
         ({"law": "linear", "force_limit": "inf"}, ""),
         ({"force_limit": 4e3}, " without limits"),
         ({"law": "saturated", "force_limit": 4e3}, " of a linear take-off"),
+        ({"efficiency": 0.7, "force_limit": 4e3}, " without limits, after conversion with an efficiency of 0.7"),
     ):
         aside = limits_aside(pto)
         assert aside == words
+        assert damping_in_words(pto).endswith(", before conversion") == ("efficiency" in pto)
         lines = [gained("FSB", 0.0), gained("A", 20.0)]
         (first, _) = headline(lines, best_power(A=0.2), "FSB", SEAS, aside=aside)
         assert first.startswith(f"In a swell, each design at its optimal damping{words}, A absorbs")

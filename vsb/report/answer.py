@@ -138,12 +138,28 @@ def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str], a
 def limits_aside(pto: Mapping[str, Any]) -> str:
     """Return what powers at optimal damping leave aside of a take-off, in words that follow; empty if it is nothing.
 
-    Optimal damping is that of a linear take-off, which may exceed limits of force and stroke.
+    Optimal damping is that of a linear take-off, which may exceed limits of force and stroke. Its powers are after
+    conversion.
     """
+    after = f", after conversion with an efficiency of {pto['efficiency']:g}" if converts(pto) else ""
     if pto.get("law", "linear") != "linear":
-        return " of a linear take-off"
+        return f" of a linear take-off{after}"
     limits = [float(pto.get(name, math.inf)) for name in ("force_limit", "stroke_limit")]
-    return " without limits" if min(limits) < math.inf else ""
+    return (" without limits" if min(limits) < math.inf else "") + after
+
+
+def converts(pto: Mapping[str, Any]) -> bool:
+    """Return whether power is lost after the port, so that control levels are after conversion and runs before it."""
+    return bool(pto.get("efficiency", 1.0) < 1.0)
+
+
+def conversion_text(pto: Mapping[str, Any]) -> str:
+    """Return which powers of a page are after conversion; empty without losses."""
+    return converts(pto) * (
+        f"With an efficiency of {pto.get('efficiency', 1.0):g} in both directions of power, powers at optimal or given "
+        "damping by linear theory and under causal control are after conversion. Powers of runs in time, of optimal "
+        "forces and of controllers in other seas are those at the port, before conversion."
+    )
 
 
 USEFUL = "a design absorbs at least 5 % of the maximum"
@@ -174,6 +190,11 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
 
 def damping_in_words(pto: dict[str, Any]) -> str:
     """Return which damping, or other law, simulated designs have, from the take-off of a study in canonical form."""
+    return _law_in_words(pto) + ", before conversion" * converts(pto)
+
+
+def _law_in_words(pto: dict[str, Any]) -> str:
+    """The damping or law of simulated designs."""
     if pto.get("distribution"):
         return f"With the take-off law {pto['law']} of {pto['distribution']}"
     law = LAWS[pto.get("law", "linear")]

@@ -31,6 +31,7 @@ from vsb.report.answer import (
     at_force_statements,
     at_force_table,
     cell,
+    conversion_text,
     damping_in_words,
     elsewhere_table,
     gain_in_brackets,
@@ -469,6 +470,7 @@ def render(report: Report) -> str:
         port=kind,
         interactive=as_script(report.interactive) if report.interactive else "",
         no_slider=report.no_slider,
+        conversion=conversion_text(report.study["pto"]),
         animated=in_motion(report.animated),
         still="" if report.animated else STILL,
         tuned=[
