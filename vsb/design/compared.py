@@ -166,7 +166,7 @@ def _by_rest_shape(model: DesignModel, values: FloatArray, power: float) -> tupl
         return 0.0, 0.0
     degrees = [model.degree, *[degree for degree in DEGREES if degree > model.degree][:FURTHER]]
     try:
-        finer = [replace(model, degree=degree).at(list(values))[POWER].value for degree in degrees[1:]]
+        finer = [replace(model, degree=degree, sloped=False).at(list(values))[POWER].value for degree in degrees[1:]]
     except IMPOSSIBLE:
         return None
     return left_out([one / power - 1 for one in finer]) if len(finer) == FURTHER else None

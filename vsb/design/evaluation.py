@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +23,9 @@ from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.engine.motion.causal import KEPT, RmsLimits
 from vsb.engine.motion.take_off import DofPort, SeveralPorts
 from vsb.engine.shell.deformed import DeformedShell
-from vsb.engine.shell.modes import rigid_basis
+from vsb.engine.shell.modes import ModeBasis, rigid_basis
 from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.campaign import sections, study_at
 from vsb.study.design import ANGLE, CLAMP, LEAST_STROKE, NUMBERED, VARIABLES, Fatigue, is_variable, of_forces
@@ -122,6 +123,7 @@ class DesignModel:
     fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
     dampers: FloatArray | None = None  # matrix of several ports that is kept; none: the one that absorbs most
     most_force: float = np.inf  # rms of all forces of several ports together, at most [N]
+    sloped: bool = True  # else values alone: derivatives by what moves the buoy are zero, in half the time
     rests: dict[tuple[object, ...], list["Rest"]] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -256,7 +258,8 @@ class DesignModel:
         of_device, stepped = self._stepped(buoy)
         self._remember(study, values, buoy, dict(zip(of_device, stepped, strict=True)))
         clamp = f"designs.{self.design}.clamp"
-        turned = [i for i, key in enumerate(self.variables) if key == clamp or ANGLE.fullmatch(key)]
+        angles = [i for i, key in enumerate(self.variables) if key == clamp or ANGLE.fullmatch(key)]
+        turned = angles if self.sloped else []
         steps: list[Stepped | str] = [*stepped, *(self.variables[i].replace(clamp, CLAMPED) for i in turned)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
@@ -308,7 +311,7 @@ class DesignModel:
 
     def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
         """Places of the variables of the device, and the buoy with a step of each."""
-        places = [i for i, key in enumerate(self.variables) if key.startswith("device.")]
+        places = [i for i, key in enumerate(self.variables) if self.sloped and key.startswith("device.")]
         return places, [buoy.with_step(self.variables[i]) for i in places]
 
     def _at_rest(self, buoy: RestingBuoy, places: Sequence[int], stepped: Sequence[Stepped]) -> dict[str, Quantity]:
@@ -482,8 +485,16 @@ def _resolution(study: Study, between: tuple[float, float], degree: int) -> tupl
 
     Those of other designs need about as many: radius and frequency enter as omega^2 r/g.
     """
-    basis, water = rigid_basis(study.device), study.water
-    shell, moved = DeformedShell(basis, study.centre_height), displacements(degree if study.flexible else 0)
+    basis = rigid_basis(study.device)
+    return _resolved(basis, study.centre_height, study.water, between, degree if study.flexible else 0)
+
+
+@lru_cache(maxsize=32)
+def _resolved(
+    basis: ModeBasis, centre_height: float, water: Water, between: tuple[float, float], degree: int
+) -> tuple[int, int]:
+    """The same, kept for all starts of a search."""
+    shell, moved = DeformedShell(basis, centre_height), displacements(degree)
     problem = SpectralProblem(shell, moved, water.density, water.gravity, NODES, water.depth)
     ends = [between[0], sum(between) / 2, between[1]]
     error = largest_error(problem.error_estimate(ends))

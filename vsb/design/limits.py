@@ -73,12 +73,23 @@ def _surface(buoy: RestingBuoy) -> AnyArray:
 
 
 def _highest(function: Callable[[FloatArray], FloatArray], buoy: RestingBuoy) -> FloatArray:
-    """Colatitude where a function of it is largest, shape (1,) [rad]."""
+    """Colatitude where a function of it is largest, shape (1,) [rad]: on ever finer grids, then a parabola."""
     grid = colatitudes(buoy)
-    at = int(np.argmax(function(grid)))
-    bounds = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
-    found = minimize_scalar(lambda phi: -float(function(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-10})
-    return np.array([found.x if -found.fun > function(grid[at : at + 1])[0] else grid[at]])
+    for _ in range(2):
+        at = int(np.argmax(function(grid)))
+        grid = np.linspace(grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)], CLOSER)
+    values = function(grid)
+    at = int(np.argmax(values))
+    if not 0 < at < len(grid) - 1:
+        return grid[at : at + 1]
+    before, most, after = values[at - 1 : at + 2]
+    bend = before - 2 * most + after
+    step = (grid[at] - grid[at - 1]) * ((before - after) / (2 * bend) if bend else 0.0)
+    return np.array([grid[at] + step])
+
+
+CLOSER = 33
+"""Colatitudes between two of a grid at which a maximum is sought next."""
 
 
 def colatitudes(buoy: RestingBuoy, per_turn: int = 40) -> FloatArray:

@@ -449,7 +449,7 @@ class Finer:
 
     truncation: tuple[float, float] | None  # of the power, relative, see `left_out`; none where not known
     margins: FloatArray  # most by which they raise excesses over limits, shape (limit,); nan where not known
-    points: tuple[Point, ...] = ()  # the buoy with each of the degrees beyond its own
+    points: tuple[Point, ...] = ()  # values of the buoy with each of the degrees beyond its own
 
 
 def finer(
@@ -472,7 +472,7 @@ def finer(
     last = degrees[-1]
     if last is None:
         return Finer(None, np.zeros_like(point.excess))
-    own, *points = (problem_of(degree).at(point.place) for degree in degrees)
+    own, *points = (problem_of(degree).valued.at(point.place) for degree in degrees)
     if len(points) < FURTHER:
         return Finer(None, np.full_like(point.excess, np.nan), tuple(points))
     changes = [one.evaluation[POWER].value / own.evaluation[POWER].value - 1 for one in points]

@@ -118,6 +118,7 @@ class Problem:
     scale: float = 1.0  # of the objective
     margins: FloatArray | None = None  # f (limit,); none: 1
     resting: Model | None = None  # what it is at rest, without waves
+    sloped: bool = True  # else of values alone, see `valued`
     known: dict[bytes, Known | Exception] = field(default_factory=dict)  # evaluations by place
 
     @property
@@ -140,6 +141,8 @@ class Problem:
         """
         place = np.array(place, dtype=float)
         key = place.tobytes()
+        if not self.sloped and key not in self.known:
+            key += b"values alone"
         if key not in self.known:
             values = [float(value) for value in self.values(place)]
             try:
@@ -163,6 +166,15 @@ class Problem:
             return None
         limits = {name: limit for name, limit in self.limits.items() if limit_of(name) not in OF_WAVES}
         return replace(self, model=self.resting, limits=limits, twin=None, margins=None, known={})
+
+    @property
+    def valued(self) -> "Problem":
+        """The same problem of values alone: where derivatives are not known, those by the device are zero."""
+
+        def of(model: Model) -> Model:
+            return replace(model, sloped=False) if isinstance(model, DesignModel) else model
+
+        return replace(self, model=of(self.model), twin=self.twin and of(self.twin), sloped=False)
 
     def rescaled(self, point: Point) -> "Problem":
         """Return the same problem with its objective scaled to that of a point."""

@@ -111,7 +111,8 @@ def own_place(problem: Problem) -> FloatArray:
     if own.get(DAMPER) == 0.0:
         others = tuple(key for key in keys if key != DAMPER)
         try:
-            own[DAMPER] = replace(model, variables=others).at([own[key] for key in others])["damping"].value
+            found = replace(model, variables=others, sloped=False).at([own[key] for key in others])
+            own[DAMPER] = found["damping"].value
         except IMPOSSIBLE:
             own[DAMPER] = variables[keys.index(DAMPER)].value(0.5)
     return np.array([one.scaled(one.clipped(own[one.key])) for one in variables])
@@ -119,8 +120,9 @@ def own_place(problem: Problem) -> FloatArray:
 
 def places(problem: Problem, seed: int, start: int) -> list[FloatArray]:
     """Return the places a start tries in turn."""
-    own = own_place(problem)
-    return start_places(start, len(own), seed, own) if own.size else [own]
+    if not problem.variables:
+        return [np.zeros(0)]
+    return start_places(start, len(problem.variables), seed, None if start else own_place(problem))
 
 
 def from_start(

@@ -7,7 +7,6 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legder, legvander
 
 from vsb.engine.shell.meridian import (
     ArcMeridian,
@@ -20,6 +19,7 @@ from vsb.engine.shell.meridian import (
     parts,
 )
 from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.shell.ritz import polynomials, slopes_of_polynomials
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -61,7 +61,7 @@ def _grid(turns: int) -> FloatArray:
 def _rest_on_grid(shell: Shell, turns: int, degree: int) -> tuple[Curve, FloatArray]:
     """The meridian at rest and Legendre polynomials on the grid, of all shapes of a shell: not to be written to."""
     grid = _grid(turns)
-    found = shell.at_rest(grid), legvander(np.cos(grid), degree)
+    found = shell.at_rest(grid), polynomials(np.cos(grid), degree)
     for values in (*found[0], found[1]):
         values.setflags(write=False)
     return found
@@ -126,25 +126,23 @@ class DeformedShell:
     def _series(self) -> FloatArray:
         """Legendre coefficients in cos(phi) of v and v', and of W' and W'', where u = dW/dphi = -sin(phi) W'.
 
-        Shape (degree, 4), zero where a derivative has fewer.
+        Shape (4, degree), zero where a derivative has fewer.
         """
         radial, meridional = self.modal_amplitude @ self.basis.shares
-        first = legder(meridional)
-        series = radial, legder(radial), first, legder(first)
-        return np.array([np.pad(one, (0, len(radial) - len(one))) for one in series]).T
+        slopes = slopes_of_polynomials(len(radial) - 1)
+        first = meridional @ slopes
+        return np.array([radial, radial @ slopes, first, first @ slopes])
 
     def curve(self, colatitude: FloatArray) -> Curve:
         """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
         return self._displaced(colatitude, self.basis.shell.at_rest(colatitude))
 
-    def _displaced(self, colatitude: FloatArray, at: Curve, polynomials: FloatArray | None = None) -> Curve:
-        """The same from the meridian at rest there, and the Legendre polynomials, if known."""
+    def _displaced(self, colatitude: FloatArray, at: Curve, p: FloatArray | None = None) -> Curve:
+        """The same from the meridian at rest there, and the Legendre polynomials p, if known."""
         if not self.modal_amplitude.any():
             return at._replace(z=self.centre_height + at.z)
         sin, cos = np.sin(colatitude), np.cos(colatitude)
-        known = legvander(cos, len(self._series) - 1) if polynomials is None else polynomials
-        summed = known @ self._series
-        v, slope, first, second = (summed[..., i] for i in range(4))
+        v, slope, first, second = self._series @ (polynomials(cos, self.basis.highest_degree) if p is None else p)
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
             at.x + v * sin + u * cos,

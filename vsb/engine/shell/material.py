@@ -354,7 +354,7 @@ class Wall:
             for i in range(2):
                 by[i, i], by[i, 2 + i] = 1.0, z * thin.stretch
                 by[i, :2] += z * strains[2 + i] * np.array(thin.by)
-            normal += np.einsum("iw...,ij...,jx...->wx...", by, tangent, by)
+            normal += np.einsum("iw...,ix...->wx...", by, np.einsum("ij...,jx...->ix...", tangent, by))
             normal[:2, :2] += z * np.array(thin.twice_by) * moment
             mixed = z * np.array([[one * s for s in stress] for one in thin.by])
             normal[:2, 2:] += mixed

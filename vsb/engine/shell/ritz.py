@@ -18,7 +18,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legvander
 from scipy.linalg import eigh
 
 from vsb.engine.shell.meridian import ClosedMeridian, bend, curve, length, meridian_rule
@@ -300,14 +299,24 @@ def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArra
     tuple of ndarray, each shape (degree + 1, point) [-]
     """
     cos, n = np.cos(colatitude), np.arange(degree + 1.0)[:, None]
-    p = legvander(cos, degree).T
-    by_cos = _slopes(degree) @ p
+    p = polynomials(cos, degree)
+    by_cos = slopes_of_polynomials(degree) @ p
     return p, -np.sin(colatitude) * by_cos, cos * by_cos - n * (n + 1) * p  # by Legendre's equation
 
 
+def polynomials(x: FloatArray, degree: int) -> FloatArray:
+    """Return Legendre's P_n(x) for n = 0..degree, shape (degree + 1, point); quicker than NumPy's `legvander`."""
+    p = np.empty((degree + 1, len(x)), dtype=x.dtype)
+    p[0] = 1.0
+    p[1:2] = x
+    for n in range(2, degree + 1):
+        p[n] = (p[n - 1] * x * (2 * n - 1) - p[n - 2] * (n - 1)) / n
+    return p
+
+
 @lru_cache
-def _slopes(degree: int) -> FloatArray:
-    """Derivatives of P_n in terms of P_k, 2k + 1 for k = n - 1, n - 3, ..., shape (n, k)."""
+def slopes_of_polynomials(degree: int) -> FloatArray:
+    """Return derivatives of P_n in terms of P_k, 2k + 1 for k = n - 1, n - 3, ..., shape (n, k)."""
     n = np.arange(degree + 1)
     below = n[:, None] - n
     return np.where((below > 0) & (below % 2 == 1), 2.0 * n + 1, 0.0)
