@@ -9,8 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-import argcomplete
-
 import vsb.tools.garbage
 import vsb.tools.threads  # noqa: F401  before NumPy is loaded
 from vsb import __version__
@@ -489,7 +487,10 @@ def _mistake(text: str, config: str | None = None) -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
     line = parser()
-    argcomplete.autocomplete(line)  # ends here if a shell asks what may follow
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow, and it ends here
+        import argcomplete
+
+        argcomplete.autocomplete(line)
     return answer(line, argv)
 
 

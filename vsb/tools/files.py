@@ -326,12 +326,12 @@ def separated(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with complex variables as reals on a dimension `complex` = re, im (capytaine's form)."""
     import xarray as xr
 
-    out = ds.copy()
-    for name, variable in ds.data_vars.items():
-        if np.iscomplexobj(variable):
-            parts = xr.concat([variable.real, variable.imag], dim="complex").assign_coords(complex=["re", "im"])
-            out[name] = parts.assign_attrs(variable.attrs)
-    return out
+    parts = {
+        name: xr.Variable(("complex", *v.dims), np.stack([v.values.real, v.values.imag]), v.attrs)
+        for name, v in ds.data_vars.items()
+        if np.iscomplexobj(v)
+    }
+    return ds.assign(parts).assign_coords(complex=["re", "im"]) if parts else ds.copy()
 
 
 def merged(ds: "xr.Dataset") -> "xr.Dataset":
@@ -339,15 +339,17 @@ def merged(ds: "xr.Dataset") -> "xr.Dataset":
 
     Raises `DatabaseError` if a dimension of that name holds anything but real and imaginary parts.
     """
+    import xarray as xr
+
     if "complex" not in ds.dims:
         return ds
     if sorted(labels := [str(label) for label in ds["complex"].values]) != ["im", "re"]:
         raise DatabaseError(f"dimension complex: received {', '.join(labels)}, needs re, im")
-    parts = {
-        name: (v.sel(complex="re", drop=True) + 1j * v.sel(complex="im", drop=True)).assign_attrs(v.attrs)
-        for name, v in ds.data_vars.items()
-        if "complex" in v.dims
-    }
+    parts = {}
+    for name, variable in ds.data_vars.items():
+        if "complex" in variable.dims:
+            real, imag = (variable.variable.isel(complex=labels.index(part)) for part in ("re", "im"))
+            parts[name] = xr.Variable(real.dims, real.values + 1j * imag.values, real.attrs)
     return ds.assign(parts).drop_vars("complex")
 
 

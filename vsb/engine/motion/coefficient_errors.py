@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from scipy.interpolate import make_interp_spline
-from scipy.ndimage import maximum_filter1d
 
 from vsb.engine.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.engine.hydro.orders import order_groups
@@ -361,4 +360,5 @@ def haskind_misfits(
 def _nearby(values: FloatArray) -> FloatArray:
     """The largest of neighbours in frequency, a `_NEIGHBOURS`-th of the band to either side."""
     reach = len(values) // _NEIGHBOURS
-    return np.asarray(maximum_filter1d(values, 2 * reach + 1, axis=0, mode="nearest"))
+    around = np.pad(values, [(reach, reach)] + [(0, 0)] * (values.ndim - 1), mode="edge")
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(around, 2 * reach + 1, axis=0).max(axis=-1))

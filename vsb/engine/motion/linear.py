@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh, null_space
-from scipy.ndimage import binary_dilation
 from scipy.optimize import brentq
 
 from vsb.engine.hydro.database import Coefficients, transformed, with_history
@@ -508,7 +507,7 @@ class Channel:
         """Interpolate h of the motions `group`, from X in waves of the `heading`-th direction, which excite them."""
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
         factor = channel_factor(damping, database.excitation_force.values[:, heading, group])
-        known = ~binary_dilation(factor <= 0, iterations=_BESIDE)
+        known = np.convolve(factor <= 0, np.ones(2 * _BESIDE + 1))[_BESIDE:-_BESIDE] == 0
         if known.sum() >= _FEWEST:
             omega, factor = omega[known], factor[known]
         slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])

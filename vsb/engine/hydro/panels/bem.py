@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -65,9 +65,10 @@ def green_function(folder: str | Path) -> cpt.Delhommeau:
 def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
     """Return `green_function`, its table copied from where capytaine keeps its own on this machine, or computed once.
 
-    It is made in a temporary folder that is renamed, safe for concurrent runs.
+    It is made in a temporary folder that is renamed, safe for concurrent runs. A process reads it once, as long as the
+    folder holds the same files.
     """
-    place = Path(folder)
+    place = Path(folder).absolute()
     if not place.is_dir():
         place.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as name:
@@ -79,6 +80,12 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
             except OSError:
                 if not place.is_dir():  # otherwise a concurrent run has finished first
                     raise
+    return _read_once(place, tuple((file, os.stat(file).st_mtime_ns) for file in sorted(place.iterdir())))
+
+
+@lru_cache(maxsize=1)
+def _read_once(place: Path, files: tuple[tuple[Path, int], ...]) -> cpt.Delhommeau:
+    """The Green function of a folder, for as long as it holds these files, by path and time."""
     return green_function(place)
 
 
