@@ -131,10 +131,9 @@ class Section(BaseModel, metaclass=_Reported):
 
     @classmethod
     def _of_keys(cls, known: dict[str, Any]) -> Self:
-        """Make one of keys that were checked."""
-        made = cls.model_construct({*known})
-        made.__dict__.clear()
-        made.__dict__.update(known)
+        """Make one of keys that were checked, as unpickling does: `model_construct` would make all defaults first."""
+        made, state = cls.__new__(cls), {"__dict__": known, "__pydantic_fields_set__": {*known}}
+        made.__setstate__({**state, "__pydantic_extra__": None, "__pydantic_private__": None})
         return made
 
 
