@@ -27,6 +27,9 @@ def test_wrong_key_and_period_are_one_line_each(example, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(vsb.VsbError, match=r"vsb\.Buoy: device\.young_modulu: .*did you mean young_modulus"):
         vsb.Buoy(young_modulu=1e7)
+    for radius in (-1.0, "2 m"):
+        with pytest.raises(vsb.VsbError, match=r"radius: received .*, needs 0\.01 to 100 m"):
+            vsb.Buoy(radius=radius)
     with pytest.raises(vsb.VsbError, match=r"periods: received \[100\.0\] s, needs 0\.\d+ to \d+\.\d s"):
         example.rao([100.0])
     assert list(tmp_path.iterdir()) == []

@@ -56,9 +56,9 @@ def test_radius_scales_the_study_by_froude_similarity(tmp_path, radius):
         ("a\nb.yaml", None, r"'a\\nb.yaml': received 'a\\nb'; needs letters"),  # a line of YAML ended there
         ("a\\1b.yaml", None, r"'a\\\\1b.yaml': received"),  # a reference to a group in a pattern
         ("hydro.yaml", None, "hydro.yaml: study: received 'hydro'; 'hydro' is the name of a results folder"),
-        ("a.yaml", float("nan"), "--radius: received nan m, needs 0.01 to 100 m"),
-        ("a.yaml", 101.0, "--radius: received 101 m, needs 0.01 to 100 m"),
-        ("a.yaml", 0.0, "--radius: received 0 m, needs 0.01 to 100 m"),
+        ("a.yaml", float("nan"), "--radius: received nan, needs 0.01 to 100 m"),
+        ("a.yaml", 101.0, "--radius: received 101.0, needs 0.01 to 100 m"),
+        ("a.yaml", 0.0, "--radius: received 0.0, needs 0.01 to 100 m"),
     ],
 )
 def test_errors_of_init_write_nothing(tmp_path, monkeypatch, name, radius, message):

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+from numbers import Real
 from pathlib import Path
 
 import yaml
@@ -40,16 +41,21 @@ def init(path: str, radius: float | None = None) -> None:
     target = _new(path)
     text = _adapted(EXAMPLE, target, study=target.stem)
     if radius is not None:
-        if not SMALLEST <= radius <= LARGEST:
-            raise ConfigError(f"--radius: received {radius:g} m, needs {SMALLEST:g} to {LARGEST:g} m")
-        text = scaled(text, radius / load(EXAMPLE).device.radius)
+        text = _of_radius(text, radius, "--radius")
     parse(yaml.safe_load(text), source=path)
     write_text(path, text)
 
 
 def example_of_radius(radius: float) -> str:
     """Return the text of the shipped study, scaled by Froude to a radius [m]."""
-    return scaled(EXAMPLE.read_text(encoding="utf-8"), radius / load(EXAMPLE).device.radius)
+    return _of_radius(EXAMPLE.read_text(encoding="utf-8"), radius, "radius")
+
+
+def _of_radius(text: str, radius: float, name: str) -> str:
+    """The text of the shipped study scaled to a radius [m], which errors give a name."""
+    if not (isinstance(radius, Real) and SMALLEST <= radius <= LARGEST):
+        raise ConfigError(f"{name}: received {radius!r}, needs {SMALLEST:g} to {LARGEST:g} m")
+    return scaled(text, radius / load(EXAMPLE).device.radius)
 
 
 def init_body(path: str) -> None:

@@ -213,6 +213,8 @@ ROOT = "/"
 """Name of the root group."""
 DELETE = "delete it and run again"
 """What to do about a file that is not what it should be."""
+OWN = "if it is a result of vsb, "
+"""Before that about a file that may be the user's."""
 CHANGED = "its contents are not those it was written with (checksum)"
 SEAL = b"sha256:"
 """Start of the checksum appended to a netCDF file: sha256 of all bytes before it, after what HDF5 reads.
@@ -428,7 +430,7 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
         stated = groups[ROOT].attrs.get("checksum")
         changed = not whole and stated is not None and stated != checksum(groups)
     except Exception as error:  # a damaged file may raise anything in the libraries that read it
-        raise DatabaseError(f"{path}: cannot be read as netCDF ({reason_of(error)}); {DELETE}.") from None
+        raise DatabaseError(f"{path}: cannot be read as netCDF ({reason_of(error)}); {OWN}{DELETE}.") from None
     if changed:
         raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
     return groups
@@ -476,7 +478,7 @@ def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) ->
     if expected is not None:
         check_stamp(groups[ROOT].attrs, expected, path)
     if group not in groups:
-        raise DatabaseError(f"{path}: cannot be read as netCDF (no group {group}); delete it and run again.")
+        raise DatabaseError(f"{path}: cannot be read as netCDF (no group {group}); {OWN}{DELETE}.")
     try:
         return described(merged(groups[group]))
     except (DatabaseError, ValueError) as error:
