@@ -198,9 +198,11 @@ def test_closing_line_states_the_power_under_a_law_that_is_no_damper(seed):
         for label in labels for design, power, gain in [("FSB", 79.39, 0.0), ("VSWEC", 12.71, -84.0)]
     ]  # fmt: skip
     tuned = [line("FSB", 781.1, 0.0, sea=study.waves[0].family), line("VSWEC", 705.8, -9.64, sea=study.waves[0].family)]
-    assert answer_of_study(study, {"comparison": rows, "equal_tuning": tuned, "invalid": []}) == (
+    checks = [{"name": name, "verdict": verdict} for name, verdict in (("record_length", "fail"), ("drift", "doubt"))]
+    assert answer_of_study(study, {"comparison": rows, "equal_tuning": tuned, "invalid": [], "checks": checks}) == (
         "mean power against the rigid FSB -9.6 % at optimal damping of a linear take-off, -84.0 % (-85.8 to -82.2 %) at "
         "the given damping, latching; FSB absorbs most, 79.39 (70.4 to 88.4) W at the given damping, latching; "
+        "checks that fail: record length; "
     )
 
 

@@ -54,6 +54,12 @@ def test_check_prints_height_period_and_flux_of_every_sea(seed):
     assert sea_lines(StudyPlan(assumed)) == []  # its amplitude is not used
 
 
+def test_check_says_that_rigid_designs_alone_know_no_rest_shape(seed):
+    """Which is 3.6 % of the power of the example in waves of 4 s."""
+    study = seed.model_copy(update={"reference_shape": "equilibrium", "designs": {"FSB": seed.designs["FSB"]}})
+    assert sum("reference_shape: without a flexible design" in line for line in preview.summary(StudyPlan(study))) == 1
+
+
 def test_check_prints_the_means_of_a_climate():
     """Weighted by the share of the year of each sea; the flux is that of the mean spectrum, for it is linear."""
     plan = plan_of(str(EXAMPLE.with_name("float_year.yaml")))

@@ -395,10 +395,12 @@ def answer_of_study(study: Study, tables: Mapping[str, Lines]) -> str:
         for row in tables["comparison"] if study.pto.law not in DAMPERS and row["wave"] in seas
     }  # fmt: skip
     where = damping_in_words(pto)
-    return closing_line(
+    line = closing_line(
         tables["equal_tuning"], study.reference_design, tables["invalid"], flexible=study.flexible,
         aside=limits_aside(pto), runs=[*runs.values()], where=where[0].lower() + where[1:],
     )  # fmt: skip
+    failed = dict.fromkeys(check["name"].replace("_", " ") for check in tables["checks"] if check["verdict"] == "fail")
+    return line if tables["invalid"] or not failed else f"{line}checks that fail: {', '.join(failed)}; "
 
 
 def closing_line(

@@ -77,6 +77,8 @@ def summary(plan: StudyPlan) -> list[str]:
         *_latching_lines(study),
         *_switching_lines(study),
     ]
+    if study.reference_shape == "equilibrium" and not study.at_equilibrium:
+        lines.append("note         reference_shape: without a flexible design the rigid buoy is the undeformed sphere")
     from vsb.results import ledger  # of no campaign: it reads all that runs in time
 
     checks = [*ledger.angle_checks(study), *ledger.shell_checks(study, reference_shell(study))]
