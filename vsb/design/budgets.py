@@ -59,7 +59,7 @@ class PowerParts:
     unsolved: float  # most that waves above the frequencies solved may add [W]
     years: FloatArray | None  # of years drawn again (year,) [W]; None of a table of seas, which has no order
     slopes: Mapping[str, float]  # d ln P/d ln of uncertain inputs [-]
-    grid: GridError = field(default_factory=GridError)  # by the grid of a causal controller
+    grid: GridError = field(default_factory=GridError)  # by that of a causal controller, of the finer power
 
 
 def power_parts(
@@ -103,7 +103,7 @@ def power_parts(
         unsolved=_unsolved(buoy.study, climate) / over,
         years=drawn_years(power_of_seas(built, model, climate), climate.hours) if ordered else None,
         slopes=slopes,
-        grid=built.controlled(model).grid_error if built.control else GridError(),
+        grid=built.controlled(finer).grid_error if built.control else GridError(),
     )
 
 
@@ -154,9 +154,9 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
             damper * np.eye(len(motion.rows)) if buoy.dampers is None else np.array(buoy.dampers)
         )
     elif buoy.study.pto.efficiency < 1:
-        return model.converted(buoy.study, PortYear.of(motion)).of_seas(buoy.quantities["damping"])
+        return model.converted(buoy.study, PortYear(motion)).of_seas(buoy.quantities["damping"])
     else:
-        absorbed = PortYear.of(motion).absorbed(buoy.quantities["damping"])
+        absorbed = PortYear(motion).absorbed(buoy.quantities["damping"])
     of_band = np.histogram(omega, climate.edges, weights=absorbed)[0]
     mean = climate.mean_density
     return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0) - lost)

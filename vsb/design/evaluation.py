@@ -27,6 +27,7 @@ from vsb.engine.shell.modes import ModeBasis, rigid_basis
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.models.stationary import BEYOND
 from vsb.study.campaign import sections, study_at
 from vsb.study.design import ANGLE, CLAMP, LEAST_STROKE, NUMBERED, VARIABLES, Fatigue, is_variable, of_forces
 from vsb.study.feasible import OF_EVERY_BUOY, shares
@@ -40,6 +41,8 @@ NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
 """Frequencies solved, and by how many they increase until coefficients between them are known."""
+MOST_TIMES = 16
+"""Most times as many frequencies of a causal controller as resolve the sea."""
 KEPT_RESTS, SMALL = 16, 1e-9
 """Buoys whose rest is kept for those close to them, and what is added to variables in whose terms these are close."""
 POINTS = 6
@@ -122,6 +125,7 @@ class DesignModel:
     control: RmsLimits | None = None  # limits of causal control; none: a damper
     fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
     dampers: FloatArray | None = None  # matrix of several ports that is kept; none: the one that absorbs most
+    closer: int = 1  # how many times as many frequencies a causal controller has as it needs
     most_force: float = np.inf  # rms of all forces of several ports together, at most [N]
     sloped: bool = True  # else values alone: derivatives by what moves the buoy are zero, in half the time
     rests: dict[tuple[object, ...], list["Rest"]] = field(default_factory=dict, repr=False, compare=False)
@@ -188,10 +192,10 @@ class DesignModel:
         """The same by half again as many nodes, frequencies solved and twice the points: for the numerical error."""
         high, solves = self.study.hydro.omega_max, 3 * len(self.grid.solved) // 2
         if self.control:
-            grid: FrequencyGrid = ControlGrid.of_control(self.climate, high, solves, finer=2)
+            grid: FrequencyGrid = ControlGrid.of_control(self.climate, high, solves, further=2 * BEYOND)
         else:
             grid = FrequencyGrid.of(self.climate, high, solves, 2 * POINTS)
-        return replace(self, nodes=3 * self.nodes // 2, grid=grid)
+        return replace(self, nodes=3 * self.nodes // 2, grid=grid, closer=2)
 
     @cached_property
     def point(self) -> tuple[float, ...]:
@@ -353,9 +357,10 @@ class DesignModel:
         if study.pto.several:
             return self._year_of_several(study, motion)
         k, is_damper, k_change = study.pto.stiffness, self._is(DAMPER), self._is(SPRING)
-        port = PortYear.of(motion)
+        controlled = self.controlled(study, motion) if self.control else None
+        assert not isinstance(controlled, ControlledPorts)
+        port = controlled.year if controlled else PortYear(motion)
         steadiness = {"spring_share": _spring_share(k, k_change, motion.buoy, motion.change)}
-        controlled = ControlledYear(port, self.control, study.pto.control) if self.control else None
         converted = None if controlled or study.pto.efficiency == 1 else self.converted(study, port)
         if controlled and np.isfinite(controlled.limits.stroke):
             steadiness[LEAST_STROKE] = Quantity(*controlled.least_stroke)
@@ -371,8 +376,8 @@ class DesignModel:
         else:
             c = port.optimal_damping
             c_change = port.optimal_damping_change(c)
-        speed, speed_change = port.mean_square(c, self.grid.omega**2, c_change)
-        stroke, stroke_change = port.mean_square(c, np.ones_like(self.grid.omega), c_change)
+        speed, speed_change = port.mean_square(c, port.grid.omega**2, c_change)
+        stroke, stroke_change = port.mean_square(c, np.ones_like(port.grid.omega), c_change)
         force = np.sqrt(c**2 * speed + k**2 * stroke)
         half = c**2 * speed_change / 2 + c * c_change * speed + k**2 * stroke_change / 2 + k * k_change * stroke
         power = Quantity(c * speed, c * speed_change + c_change * speed)
@@ -389,11 +394,27 @@ class DesignModel:
         return Evaluation(quantities | steadiness, worth)
 
     def controlled(self, study: Study, motion: YearMotion) -> ControlledYear | ControlledPorts:
-        """Return the year under the best causal controller within its limits."""
-        assert self.control
+        """Return the year under the best causal controller within its limits.
+
+        Of one port at as many frequencies as it needs: one whose force is small against that of the waves resonates
+        within less than resolves the sea.
+        """
+        grid, limits, control = self.grid, self.control, study.pto.control
+        assert limits
+        assert isinstance(grid, ControlGrid)
         if isinstance(port := study.pto.port, SeveralPorts):
-            return ControlledPorts(SeveralYear(motion), self.control, study.pto.control, port.matrix)
-        return ControlledYear(PortYear.of(motion), self.control, study.pto.control)
+            own = replace(motion, grid=grid.finer(self.closer)) if self.closer > 1 else motion
+            return ControlledPorts(SeveralYear(own), limits, control, port.matrix)
+
+        def at(times: int) -> ControlledYear:
+            own = replace(motion, grid=grid.finer(times)) if times > 1 else motion
+            return ControlledYear(PortYear(own), limits, control)
+
+        times, found = 1, at(1)
+        while times < MOST_TIMES and not found.resolved:
+            times *= 2
+            found = at(times)
+        return found if self.closer == 1 else at(self.closer * times)
 
     def converted(self, study: Study, port: PortYear) -> ConvertedYear:
         """Return the year of a port whose power is converted with an efficiency."""
@@ -405,7 +426,9 @@ class DesignModel:
         if isinstance(study.pto.port, SeveralPorts):
             dampers, price, force, kind = self.dampers, 0.0, self.most_force, study.pto.port.matrix
             if self.control:
-                controlled = ControlledPorts(year, self.control, study.pto.control, kind)
+                controlled = self.controlled(study, motion)
+                assert isinstance(controlled, ControlledPorts)
+                year = controlled.year
                 if controlled.damper is None:
                     return _controlled(controlled)
                 (dampers, price), force = controlled.damper, self.control.force

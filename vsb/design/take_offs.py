@@ -64,6 +64,7 @@ from vsb.engine.motion.take_off import Control
 from vsb.engine.motion.tuning import Kind, best_matrix, priced_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.seas import RESOLVED
+from vsb.errors import ConvergenceError
 from vsb.models.stationary import BEYOND, grid
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
@@ -200,19 +201,29 @@ class ControlGrid(FrequencyGrid):
     ends: tuple[float, float]  # of the band solved [rad/s]
     spacing: float  # [rad/s]
     count: int  # of frequencies in the band
+    climate: Climate
+    further: float  # end of the frequencies beyond the band, over its own
 
     @classmethod
-    def of_control(cls, climate: Climate, omega_max: float, solves: int, finer: float = 1.0) -> "ControlGrid":
-        """Return the grid of a climate; a finer one has less spacing, and goes as much further beyond the band."""
+    def of_control(
+        cls, climate: Climate, omega_max: float, solves: int, finer: float = 1.0, further: float = BEYOND
+    ) -> "ControlGrid":
+        """Return the grid of a climate up to a highest frequency [rad/s]; a finer one has less spacing."""
         low, high = controlled_band(climate, omega_max)
         spacing = RESOLVED * 2 * np.pi / (finer * float(climate.te @ climate.hours))
         count = next_fast_len(int(np.ceil(high / spacing)))
-        inside, beyond = grid(spacing, count, finer * BEYOND)
+        inside, beyond = grid(spacing, count, further)
         density, edges = climate.mean_density, np.clip(climate.edges, *band(climate, omega_max))
         broken = np.interp(inside, climate.omega, density, left=0.0, right=0.0)
         variance = np.append(broken * (density @ np.diff(edges)) / broken.sum(), np.zeros_like(beyond))
         omega = np.append(inside, beyond)
-        return cls(chebyshev(low, high, solves), omega, variance, (low, high), spacing, count)
+        solved = chebyshev(low, high, solves)
+        return cls(solved, omega, variance, (low, high), spacing, count, climate, further)
+
+    def finer(self, times: float) -> "ControlGrid":
+        """Return the same with less spacing."""
+        own = RESOLVED * 2 * np.pi / (self.spacing * float(self.climate.te @ self.climate.hours))
+        return self.of_control(self.climate, self.ends[1], len(self.solved), times * own, self.further)
 
     @cached_property
     def known(self) -> FloatArray:
@@ -228,6 +239,10 @@ class ControlGrid(FrequencyGrid):
         part = self.count + place - low
         between = (1 - part) * values[..., low] + part * values[..., low + 1]
         return np.concatenate([values[..., : self.count], between], axis=-1)
+
+
+LATE = 0.03
+"""Part of the rms of a controller's signal that may be left in the second half of the times it may last."""
 
 
 @dataclass(frozen=True)
@@ -263,6 +278,14 @@ class ControlledYear:
     def steadiest(self) -> Controlled:
         """The control with the least stroke."""
         return steadiest(self.port, self.limits.force, self.control.noise, self.control.forecast)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether its signals have died away at the end of the times that its frequencies tell apart."""
+        try:
+            return self.port.lasts(self.found.weights, self.control.noise, self.control.forecast) <= LATE
+        except ConvergenceError:  # not found: it outlasts them
+            return False
 
     @property
     def keeps_stroke(self) -> bool:

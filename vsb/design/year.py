@@ -210,20 +210,39 @@ class YearMotion:
 class PortYear:
     """The port of a buoy over the year beside its spring, without its damper; derivatives by each variable."""
 
-    grid: FrequencyGrid
-    motion: ComplexArray  # u_0 (omega,) [m/m]
-    receptance: ComplexArray  # y (omega,) [m/N]
-    motion_change: ComplexArray  # (variable, omega)
-    receptance_change: ComplexArray
+    of: YearMotion
 
-    @classmethod
-    def of(cls, motion: YearMotion) -> "PortYear":
-        """Return the port of a buoy that moves over the year, and its derivatives."""
-        b, change = motion.buoy.port, motion.change.port
-        q, under = motion.undamped[0], motion.undamped[1][..., 0]
-        moved, receptance = motion.slopes(under, q), 2 * change @ under.T - motion.reaction(under, under)
-        receptance = receptance + motion.change.chamber[:, None]
-        return cls(motion.grid, q @ b, under @ b + motion.buoy.chamber, moved + change @ q.T, receptance)
+    @property
+    def grid(self) -> FrequencyGrid:
+        """Its frequencies."""
+        return self.of.grid
+
+    @cached_property
+    def motion(self) -> ComplexArray:
+        """u_0, shape (omega,) [m/m]."""
+        return self.of.undamped[0] @ self.of.buoy.port
+
+    @cached_property
+    def receptance(self) -> ComplexArray:
+        """y, shape (omega,) [m/N]."""
+        return np.asarray(self._under @ self.of.buoy.port + self.of.buoy.chamber)
+
+    @cached_property
+    def motion_change(self) -> ComplexArray:
+        """Derivatives of u_0, shape (variable, omega)."""
+        q = self.of.undamped[0]
+        return np.asarray(self.of.slopes(self._under, q) + self.of.change.port @ q.T)
+
+    @cached_property
+    def receptance_change(self) -> ComplexArray:
+        """Derivatives of y, shape (variable, omega)."""
+        change, under = self.of.change, self._under
+        return np.asarray(2 * change.port @ under.T - self.of.reaction(under, under) + change.chamber[:, None])
+
+    @property
+    def _under(self) -> ComplexArray:
+        """l, shape (omega, free)."""
+        return self.of.undamped[1][..., 0]
 
     @property
     def optimal_damping(self) -> float:
@@ -272,7 +291,7 @@ class PortYear:
 
         Its force^2 = int w^2 S |u_0/(1/c - i w y)|^2 dw grows with c, and its power is force^2/c.
         """
-        best, w, still = self.optimal_damping, self.grid.omega, np.zeros(len(self.motion_change))
+        best, w, still = self.optimal_damping, self.grid.omega, np.zeros(len(self.of.change.port))
         speed = w**2 * self.grid.variance * np.abs(self.motion) ** 2
 
         def square(c: float) -> float:

@@ -36,6 +36,7 @@ Applied Ocean Research 42 (2013), which solves the same problem with rational mo
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import NamedTuple, Self
@@ -64,6 +65,9 @@ KEPT, FAR = 1e-6, 1e3
 """Relative tolerance on a limit, and the share of it that stands for any larger one."""
 REPEATED, SAME_POWER = 40, 1e-9
 """With losses in conversion: most repetitions, and the relative change of power after which they end."""
+COARSEST, CORRECTED, NUDGED, FARTHEST = 1000, 10, 1e-3, 2.0
+"""Least frequencies whose weights begin at those of a third of them, most corrections of these, the difference that
+gives the first slopes, and the longest correction; all of logarithms."""
 
 STEPS, FACTORED, LEFT = 60, 1e-12, 1e-8
 """Most iterations for a factor, the relative error of its square, mean over frequencies, before the last of them, and
@@ -312,6 +316,15 @@ class StationaryPort(_OnGrid):
         factors = np.exp(-np.conj(self.causal_part(0.5 * np.log(density * cost))))  # 1/conj(H W)
         ahead = np.exp(1j * self.omega * forecast)
         return np.asarray(self.spectrum * ahead * factors * (1 / self.admittance.conj() + 2 * kappa) / 2)
+
+    def lasts(self, weights: Weights, noise: float, forecast: float) -> float:
+        """Return the part of the rms of the controller's signal in the second half of the times it may last [-].
+
+        Powers err by about a hundredth of its square.
+        """
+        signal = self.signal(self.wanted(weights, noise, forecast))[: len(self.omega)]
+        whole = float(np.linalg.norm(signal))
+        return float(np.linalg.norm(signal[len(signal) // 2 :])) / whole if whole else 0.0
 
 
 @dataclass(frozen=True)
@@ -596,7 +609,7 @@ def optimum(
     port = port.moved()
 
     def within(losses: Weights) -> Controlled:
-        return _within_limits(lambda weights: port.controlled(weights, noise, forecast), port, limits, losses)
+        return _within_limits(port, limits, losses, noise, forecast)
 
     best = within(Weights(LEAST_WEIGHT * port.largest_loss))
     if best.force < 0:
@@ -625,7 +638,7 @@ def steadiest(port: StationaryPort, force: float, noise: float = NOISE, forecast
     Its weight of displacement is finite, see `STEADY`: the optimum changes smoothly with its port.
     """
     weight, least = STEADY * port.stroke_weight, LEAST_WEIGHT * port.largest_loss
-    return _within_force(lambda one: port.controlled(one, noise, forecast), port, force, Weights(least, weight))
+    return _within_limits(port, RmsLimits(force), Weights(least, weight), noise, forecast)
 
 
 def _losses(at: Controlled, efficiency: float) -> Weights:
@@ -637,16 +650,30 @@ def _losses(at: Controlled, efficiency: float) -> Weights:
     return Weights(float(of_size * ratio / of_power), 0.0, float(of_size / ratio / of_power))
 
 
-def _within_limits(
-    controlled: Callable[[Weights], Controlled], port: Stationary, limits: RmsLimits, least: Weights
-) -> Controlled:
-    """The optimum with the least weights with which both limits hold."""
+def _within_limits(port: Stationary, limits: RmsLimits, least: Weights, noise: float, forecast: float) -> Controlled:
+    """The optimum with the least weights with which both limits hold.
+
+    They are sought on few frequencies, and corrected on more and more.
+    """
+    if len(port.omega) >= COARSEST:
+        with suppress(ConvergenceError, StabilityError):  # of fewer frequencies
+            if found := _corrected(port, limits, least, noise, forecast):
+                return found
 
     def with_force_limit(stroke: float) -> Controlled:
-        return _within_force(controlled, port, limits.force, least._replace(stroke=stroke))
+        def at(force: float) -> Controlled:
+            return port.controlled(least._replace(force=force, stroke=stroke), noise, forecast)
 
-    found = least_weight(with_force_limit, 0.0, port.stroke_weight, lambda one: one.stroke_rms / limits.stroke)
-    if found.stroke_rms > limits.stroke * (1 + KEPT):
+        if np.isinf(limits.force):
+            return at(least.force)
+        start = port.free_rms / (2 * limits.force)  # where the force alone costs, it holds
+        return least_weight(at, least.force, start, lambda one: one.force_rms / limits.force)
+
+    def share(one: Controlled) -> float:
+        return one.stroke_rms / limits.stroke
+
+    found = least_weight(with_force_limit, least.stroke, port.stroke_weight, share)
+    if share(found) > 1 + KEPT:
         raise StabilityError(
             f"pto: no control within force_limit keeps an rms displacement of {limits.stroke:.4g} m in this sea, "
             f"{found.stroke_rms:.4g} m is the least; raise one of them"
@@ -654,16 +681,39 @@ def _within_limits(
     return found
 
 
-def _within_force(
-    controlled: Callable[[Weights], Controlled], port: Stationary, force: float, least: Weights
-) -> Controlled:
-    """The optimum with the least weight of the force with which its limit holds; the other weights as given."""
-    if np.isinf(force):
-        return controlled(least)
-    start = port.free_rms / (2 * force)  # where the force alone costs, it holds
-    return least_weight(
-        lambda weight: controlled(least._replace(force=weight)), least.force, start, lambda one: one.force_rms / force
-    )
+def _corrected(port: Stationary, limits: RmsLimits, least: Weights, noise: float, forecast: float) -> Controlled | None:
+    """The same, from the weights at a third of the frequencies by Broyden's method; None if it does not get there."""
+    rough = port.coarser(3)
+    begin = _within_limits(rough, limits, least, noise, forecast)
+    binding = np.array(begin.weights[:2]) > np.array(least[:2]) * (1 + KEPT)
+
+    def at(one: Stationary, logs: FloatArray) -> tuple[Controlled, FloatArray]:
+        weights = np.array(least[:2])
+        weights[binding] = np.exp(logs)
+        found = one.controlled(least._replace(force=float(weights[0]), stroke=float(weights[1])), noise, forecast)
+        with np.errstate(divide="ignore"):
+            return found, np.log([found.force_rms / limits.force, found.stroke_rms / limits.stroke])
+
+    logs = np.log(np.array(begin.weights[:2])[binding])
+    here, nudges = at(rough, logs)[1][binding], NUDGED * np.eye(len(logs))
+    if not np.isfinite(here).all():
+        return None
+    slopes = np.array([at(rough, logs + one)[1][binding] - here for one in nudges]).T.reshape(nudges.shape) / NUDGED
+    step: FloatArray = np.zeros(0)
+    for _ in range(CORRECTED):
+        found, over = at(port, logs)
+        if not (np.isfinite(over[binding]).all() and np.isfinite(slopes).all()):
+            return None
+        if np.abs(over[binding]).max(initial=0.0) <= ROOT:
+            kept = (over[~binding] <= 0).all() and (np.array(found.weights[:2]) >= np.array(least[:2])).all()
+            return found if kept else None
+        if step.size:
+            slopes += np.outer(over[binding], step) / (step @ step)
+        step = -np.linalg.lstsq(slopes, over[binding], rcond=None)[0]
+        if np.abs(step).max(initial=0.0) > FARTHEST:
+            return None
+        logs = logs + step
+    return None
 
 
 def least_weight(
