@@ -131,6 +131,14 @@ def test_damper_matrices_of_a_year_are_linear_and_unlimited(folder, changes, mes
         load(written(folder, **changes))
 
 
+def test_a_varied_damper_is_refused_where_every_tuning_has_its_own(folder):
+    """Its points would be the same, under names that say otherwise."""
+    dampers = {"pto.damping": [1e4, 2e4]}
+    load(written(folder, vary=dampers, tuning=["fixed", "one"]))
+    with pytest.raises(ConfigError, match=r"vary: pto.damping: received without the tuning fixed.* needs fixed in"):
+        load(written(folder, vary=dampers, tuning=["one", "each"]))
+
+
 def test_conversion_with_losses_is_known_of_dampers_and_causal_control(folder):
     lossy = varied(load_study(SEED), pto={"efficiency": 0.8})
     sprung = varied(load_study(SEED), pto={"efficiency": 0.8, "stiffness": 1e3})

@@ -15,7 +15,7 @@ from vsb.keys.quantities import Count, Name, Number, Section
 from vsb.keys.reading import read_yaml, validated
 from vsb.study.body import read_study
 from vsb.study.study import Study, not_reserved
-from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
+from vsb.study.vary import DAMPING, PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.files import sha256_of
 
 Tunings = Literal["fixed", "one", "each", "damper_same_force", "causal", "constrained"]
@@ -174,6 +174,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         raise ConfigError(
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in "
             f"{port_kind(study.pto.port).damping_unit}"
+        )
+    if DAMPING in campaign.vary.keys and not (study.pto.has_damper and "fixed" in (campaign.tuning or ("fixed",))):
+        raise ConfigError(
+            f"{source}: vary: {DAMPING}: received without the tuning fixed, and all others have dampers of their own; "
+            f"needs fixed in tuning, and a {DAMPING} in {campaign.study}"
         )
     if study.pto.law == CAUSAL:
         raise ConfigError(
