@@ -2,6 +2,7 @@
 
 import gzip
 import sys
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import netCDF4
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.engine.waves.measured_spectra import read_ndbc, read_spectra
+from vsb.engine.waves.climate import is_doubt
+from vsb.engine.waves.measured_spectra import calendar, read_ndbc, read_spectra
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.tools.files import sha256_of
@@ -372,6 +374,14 @@ def test_records_left_out_are_noted(written):
         "0 days stand for a year: seasons are missing",
     ):
         assert note in notes
+
+
+def test_months_without_records_put_a_year_in_doubt():
+    """A logger that failed from March to August: the ends of the file are a year apart."""
+    days = [datetime(2023, 1, 1) + timedelta(days=i) for i in range(365)]
+    assert not any(map(is_doubt, calendar(days)[1]))
+    (doubt,) = filter(is_doubt, calendar([day for day in days if not 3 <= day.month <= 8])[1])
+    assert doubt == "6 months stand for a year: seasons are missing"
 
 
 @pytest.mark.parametrize(

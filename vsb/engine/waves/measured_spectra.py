@@ -502,7 +502,8 @@ def calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
         notes.append(f"one record per {usual / 3600:g} h, {lacking} of them not in the file")
         if (uneven := sum(step < usual for step in steps)) > 0:
             notes.append(f"{uneven} records closer than that count as much as the others")
-        days = (order[-1] - order[0]).total_seconds() / 86400
-        if days < 360:
-            notes.append(f"{days:.0f} days {PARTIAL}: seasons are missing")
+        days, months = (order[-1] - order[0]).total_seconds() / 86400, {time.month for time in order}
+        if days < 360 or len(months) < 12:
+            covered = f"{days:.0f} days" if days < 360 else f"{len(months)} months"
+            notes.append(f"{covered} {PARTIAL}: seasons are missing")
     return sorted(first.values()), notes
