@@ -361,6 +361,25 @@ def test_water_beside_a_port_makes_fewer_modes_enough(seed, port):
     assert wet.max() < dry.max() / 10
 
 
+@pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 4.0}}}])
+@pytest.mark.parametrize("port", ["volume", {"colatitude": 60.0}])
+def test_water_beside_the_waterline_makes_few_modes_enough(seed, shape, port):
+    """Degree 9 against 60 without it, of a soft wall of r/h 100, free or clamped below water; dry it is far off."""
+    soft = {"thickness": 0.02, "young_modulus": 5.0e6, "density": 1100.0} | shape
+    study = varied(
+        seed, device=soft, designs={"FREE": {}, "CLAMPED": {"clamp": 120}}, waves=regular(2.5, 4.0),
+        pto={"port": port, "damping": None, "tuning": "each"}, modes={"basis": "full", "degree": 9},
+    )  # fmt: skip
+    every = searched(study).powers(Modes(basis="full", degree=60))[:, :, 1]
+    dry, wet = (
+        np.abs(replace(searched(study), wet=wet).powers(Modes(basis="full", degree=9), 60)[:, :, 1] / every - 1)
+        for wet in (False, True)
+    )
+    assert wet[0].max() < 2e-4
+    assert wet[1].max() < 2e-3
+    assert wet.max() < dry.max() / 10
+
+
 @pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 3.6}}}])
 def test_database_and_shared_water_know_the_same_of_rings(seed, tmp_path, shape):
     """Of designs that load further rings, too: their modes leave those of the port, which see the water, as they are."""
@@ -381,11 +400,14 @@ def test_database_and_shared_water_know_the_same_of_rings(seed, tmp_path, shape)
             assert found.admittance == pytest.approx(shared[design].admittance, rel=1e-6)
 
 
-def test_water_beside_rings_is_of_ports_that_bend_the_wall_and_of_the_spectral_solver(seed):
+def test_water_beside_rings_is_of_soft_walls_and_ports_that_bend_them_and_of_the_spectral_solver(seed):
     full = {"basis": "full", "degree": 6}
     between, above = {"port": {"between": [0.0, 180.0]}}, {"port": {"colatitude": 60.0}}
     assert wets_rings(varied(seed, pto=between, modes=full))
     assert not wets_rings(varied(seed, pto=above, modes=full))
+    soft = {"thickness": 0.004, "centre_of_mass": -0.5, "ballast_inertia": 4e4}
+    assert wets_rings(varied(seed, pto=above, modes=full, device=soft))
+    assert not wets_rings(varied(seed, pto={"port": "surge"}, motion="planar", modes=full, device=soft))
     assert not wets_rings(varied(seed, pto=between, modes=full, hydro={"solver": "panels"}))
 
 

@@ -159,7 +159,7 @@ LIMIT, SECONDS = 2e4, 0.05
 
 def buoy(study):
     """The buoy in water that acts on one ring."""
-    swept = SimpleNamespace(band=(0.1, 8.0), on_rings=False, at=lambda omega: water(study, omega=omega))
+    swept = SimpleNamespace(band=(0.1, 8.0), clamps=None, at=lambda omega: water(study, omega=omega))
     return BuoyOfShape(study, reference_shell(study), swept)
 
 

@@ -32,7 +32,7 @@ BAND = (0.1, 3.0)
 def year_of(study, seas, tunings=TUNINGS, **known):
     """The member of a study in water that acts on one ring."""
     swept, rest = (
-        SimpleNamespace(band=BAND, on_rings=False, at=lambda omega: water(study, omega=omega)),
+        SimpleNamespace(band=BAND, clamps=None, at=lambda omega: water(study, omega=omega)),
         viability(study),
     )
 

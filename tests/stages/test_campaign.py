@@ -220,7 +220,7 @@ def test_heave_is_that_of_the_port_with_its_damping(seed, basis):
     spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4, "VSWEC90": 2e4}
     study = varied(seed, modes={"basis": basis, "degree": 3}, pto={"damping": 8e3, "stiffness": spring})
     reference = reference_shell(study)
-    point = BuoyOfShape(study, reference, SimpleNamespace(on_rings=False, at=lambda omega: water(study, omega=omega)))
+    point = BuoyOfShape(study, reference, SimpleNamespace(clamps=None, at=lambda omega: water(study, omega=omega)))
     waves = Sea(np.array([1.0, 1.3, 1.7]), np.array([0.3, 0.0, 0.2j]))
     runs = campaign._runs(point, dampers, waves, 10.0)
     inside = point.at(waves.omega).in_waves()

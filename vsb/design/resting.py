@@ -18,12 +18,11 @@ from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium, equilibrium_near
 from vsb.engine.shell.meridian import ClosedMeridian, Curve, capsule, series, spheroid, through
 from vsb.engine.shell.modes import ModeBasis, rigid_basis
-from vsb.engine.shell.rings import AttachmentModes
+from vsb.engine.shell.rings import AttachmentModes, Load
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
 from vsb.keys.quantities import at_key
 from vsb.models.rest import (
-    Load,
     attachment_modes,
     loaded_at_ring,
     loaded_shell,

@@ -4,6 +4,7 @@ All that is linear, the response, the control levels, the tuning of a damper, a 
 other kind.
 """
 
+import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -151,7 +152,7 @@ class FloatingSystem:
     port: FloatArray  # b (dof,); of several ports at once B (dof, port)
     channels: int = 1  # azimuthal orders the port reaches: each may radiate, so that power is limited by as many λ/2π
     shape: DeformedShell | None = None  # a buoy moves about
-    on_rings: bool = False  # whether what its wall does beside loaded rings moves water
+    clamps: Sequence[float] | None = None  # where its wall moves water beside loads: clamps of all designs [degrees]
 
     @property
     def shell(self) -> DeformedShell:
@@ -208,8 +209,10 @@ def floating_system(study: Study, database_path: str, highest: int | None = None
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
-    dry, wet = without_rings(ds), highest is None and "Ring1" in ds.influenced_dof
-    ds, shape = stored_with_rings(study, ds if wet else dry, shape, highest or HIGHEST)
+    dry, wet = without_rings(ds), None
+    if highest is None and "Ring1" in ds.influenced_dof:
+        wet = json.loads(ds.attrs["clamps"])
+    ds, shape = stored_with_rings(study, dry if wet is None else ds, shape, highest or HIGHEST, wet=wet)
     if shape.basis.rings is None:
         ds = dry
     basis = shape.basis
@@ -398,14 +401,10 @@ class ShapeWater:
     orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
     resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
     interpolation: float = 0.0
+    clamps: Sequence[float] | None = None  # see `FloatingSystem`
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
     _errors: dict[Any, list[CoefficientError]] = field(default_factory=dict, repr=False, compare=False)  # the last ones
     _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last few
-
-    @property
-    def on_rings(self) -> bool:
-        """Whether it was solved for what the wall does beside loaded rings, too."""
-        return any(each.kind == "load" for each in self.displacements)
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
@@ -475,6 +474,7 @@ class SweptShape:
     """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
     buoys: tuple[LinearSystem, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    clamps: Sequence[float] | None = None  # see `FloatingSystem`
     _known: dict[bytes, ShapeWater] = field(default_factory=dict, repr=False, compare=False)  # the last few
 
     def at(self, omega: FloatArray) -> ShapeWater:
@@ -494,12 +494,9 @@ class SweptShape:
         )
         attrs = [buoy.database.attrs for buoy in self.buoys]
         resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
-        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
-
-    @property
-    def on_rings(self) -> bool:
-        """Whether it was solved for what the wall does beside loaded rings, too."""
-        return "Load1" in self.buoys[0].labels
+        return replace(
+            first, orders=tuple(others), resolution=resolution, interpolation=interpolation, clamps=self.clamps
+        )
 
     @property
     def band(self) -> tuple[float, float]:
@@ -524,7 +521,7 @@ class BuoyOfShape:
     @property
     def moving(self) -> ReferenceShell:
         """Its shell at rest with all degrees of freedom it moves in: also the modes of rings that are loaded."""
-        return with_rings(self.study, self.reference, wet=self.swept.on_rings)
+        return with_rings(self.study, self.reference, wet=self.swept.clamps)
 
     def at(self, omega: FloatArray) -> AtFrequencies:
         """Return it at frequencies; outside the band with the coefficients of its nearest end.
@@ -547,7 +544,7 @@ def kept_buoy(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtF
 
 def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
     """Return the buoy of a study at the frequencies of the coefficients of its shape."""
-    reference = with_rings(study, reference, wet=water.on_rings)
+    reference = with_rings(study, reference, wet=water.clamps)
     basis, families = reference.basis, order_bases(study, reference.basis)
     seen, chamber = seen_by_take_off(study, reference)
     inertia, damping = (

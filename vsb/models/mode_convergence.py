@@ -30,7 +30,7 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import ShapeWater, heading, kept_buoy
-from vsb.models.rest import load_displacements, loaded_at_ring, order_bases, reference_shell, with_rings
+from vsb.models.rest import clamps, load_displacements, loaded_at_ring, order_bases, reference_shell, with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.study.resolution import bending_degree, degree_needed
 from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
@@ -224,6 +224,8 @@ class ModeConvergence:
         reference = reference_shell(study)
         highest = max(modes.max_degree, 0 if study.at_equilibrium else among)
         water = self._around(reference.shape, highest, load_displacements(study, reference) if self.wet else ())
+        if self.wet:
+            water = replace(water, clamps=clamps(study))
         squares = self._sampled.squares
         squares = squares.reshape(len(squares), -1)
         ports = self._ports(study, reference, water)
@@ -285,7 +287,7 @@ class ModeConvergence:
             return buoy.several_ports()
         if self._motion != "free" and not directions.any():
             return buoy.ports()
-        reference, found = with_rings(study, reference, wet=self.wet), dict[str, Port | Ports]()
+        reference, found = with_rings(study, reference, wet=water.clamps), dict[str, Port | Ports]()
         families = order_bases(study, reference.basis)
         orders = np.repeat(
             [0, *(each.signed for each in families)],

@@ -4,6 +4,7 @@ A buoy heaves with its axisymmetric shell modes; one that also moves along and a
 freedom, azimuthal order by order.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -39,6 +40,8 @@ from vsb.engine.shell.rings import (
     AttachmentModes,
     BeltLoad,
     KinkModes,
+    Load,
+    PressureLoad,
     RingLoad,
     RingModes,
     along_wall,
@@ -101,7 +104,7 @@ def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
     if not chosen.flexible:
         return side_by_side(np.eye(len(basis.labels), 1), *others)
     free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
-    if basis.rings and not loaded:
+    if basis.rings and not loaded and not basis.rings.wet:
         free = free[:, : -len(basis.rings.labels)]
     if free.shape[1] < 2:
         raise ConfigError(
@@ -444,29 +447,31 @@ BESIDE_POLE = 1e-6
 """Distance from a pole at which its tension is taken: at the pole itself strains are 0/0 [rad]."""
 
 
-Load = RingLoad | BeltLoad
+def ring_loads(study: Study, waterline: float | None = None, wet: Sequence[float] = ()) -> tuple[Load, ...]:
+    """Return the loads of the take-off at rings, then those of all designs and of the mooring, each once.
 
-
-def ring_loads(study: Study) -> tuple[Load, ...]:
-    """Return the loads at rings of the take-off, then those of all designs and of the mooring, each once."""
-    found = [*port_loads(study)]
-    for angle in _clamps(study):
-        found += [normal_to_wall(angle), along_wall(angle)]
+    Parameters
+    ----------
+    study : Study
+    waterline : float, optional
+        Colatitude of the waterline [rad], if shapes beside loads move water; that of water follows those that do.
+    wet : sequence of float
+        Colatitudes of the clamps that do, too [degrees].
+    """
+    found: list[Load] = [load for port in study.pto.single_ports for load in _of_port(port)]
+    if waterline is not None:
+        found += [way(at) for at in np.deg2rad(wet).tolist() for way in (normal_to_wall, along_wall)]
+        found += [PressureLoad(waterline, power) for power in (0, 1)]
+    found += [way(at) for at in np.deg2rad(clamps(study)).tolist() for way in (normal_to_wall, along_wall)]
     held = study.pto.held
     if held is not None and held.place == "ring":
         found.append(vertical(np.deg2rad(held.colatitude)))
     return tuple(dict.fromkeys(load for load in found if load.moves))
 
 
-def port_loads(study: Study) -> tuple[Load, ...]:
-    """Return the loads at rings of the take-off, each once; these are the ones that may see the water."""
-    found = (load for port in study.pto.single_ports for load in _of_port(port))
-    return tuple(dict.fromkeys(load for load in found if load.moves))
-
-
-def _clamps(study: Study) -> list[float]:
-    """Colatitudes of the clamps of all designs [rad]."""
-    return [float(np.deg2rad(at)) for at in sorted({at for one in study.designs.values() for at in one.clamp})]
+def clamps(study: Study) -> tuple[float, ...]:
+    """Return the colatitudes of the clamps of all designs [degrees]."""
+    return tuple(sorted({at for one in study.designs.values() for at in one.clamp}))
 
 
 def _of_port(port: PortChoice) -> list[Load]:
@@ -490,7 +495,9 @@ def has_attachment_modes(study: Study) -> bool:
     return bool(study.flexible and study.modes.basis == "full")
 
 
-def with_rings(study: Study, reference: ReferenceShell, highest: int = HIGHEST, *, wet: bool = False) -> ReferenceShell:
+def with_rings(
+    study: Study, reference: ReferenceShell, highest: int = HIGHEST, *, wet: Sequence[float] | None = None
+) -> ReferenceShell:
     """Return a shell at rest with the modes of the rings that a study loads.
 
     Parameters
@@ -499,18 +506,20 @@ def with_rings(study: Study, reference: ReferenceShell, highest: int = HIGHEST, 
         Without them.
     highest : int
         Degree up to which they do; without one above the modes there are none.
-    wet : bool
-        Whether still water acts on them, too.
+    wet : sequence of float, optional
+        If water moves with them, beside the waterline, too, and still water acts on them: at which clamps [degrees].
     """
-    basis = reference.basis
-    if not basis.modes or not has_attachment_modes(study) or not (loads := ring_loads(study)):
+    basis, shape = reference.basis, reference.shape
+    if not basis.modes or not has_attachment_modes(study):
+        return reference
+    if not (loads := ring_loads(study) if wet is None else ring_loads(study, shape.waterline, wet)):
         return reference
     above = basis.highest_degree
     if highest <= max(above, 1):
         return reference
     rings = attachment_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
     # the loads at rings of all designs and take-off that go with cos(m theta), m >= 1, each once
-    found = [way(angle) for angle in _clamps(study) for way in (normal_to_wall, along_wall, around_axis)]
+    found = [way(at) for at in np.deg2rad(clamps(study)) for way in (normal_to_wall, along_wall, around_axis)]
     between = [port for port in study.pto.single_ports if isinstance(port, BetweenPort)]
     found += [load for port in between for load in _of_port(port) if isinstance(load, RingLoad) and load.moves]
     further = tuple(dict.fromkeys(found))
@@ -525,18 +534,19 @@ def with_rings(study: Study, reference: ReferenceShell, highest: int = HIGHEST, 
     stiffness["structural"] = stiffness["structural"] + whole.of_rings(rings.stiffness)
     if "prestress" in stiffness:
         stiffness["prestress"] = stiffness["prestress"] + whole.of_rings(rings.prestress)
-    shape, more = reference.shape, len(whole.labels) - len(reference.shape.modal_amplitude)
+    more = len(whole.labels) - len(shape.modal_amplitude)
     q = np.pad(shape.modal_amplitude, (0, more))  # the modes of rings are at rest
-    if wet:
+    if rings.wet and "hydrostatic" in stiffness:
         stiffness["hydrostatic"] = _of_still_water(study, replace(shape, basis=whole, modal_amplitude=q))
     return ReferenceShell(replace(shape, basis=whole, modal_amplitude=q), stiffness)
 
 
 def _of_still_water(study: Study, shape: DeformedShell) -> FloatArray:
     """Stiffness of still water over all degrees of freedom, those of rings by their degrees that it acts on [N/m]."""
-    basis, rings, wet = shape.basis, shape.basis.rings, len(port_loads(study))
+    basis, rings = shape.basis, shape.basis.rings
     assert rings is not None
-    amplitudes = np.einsum("ml,aln->man", rings.of_loads(wet), rings.under_loads(wet_degree(study))[:, :wet])
+    responses = rings.under_loads(wet_degree(study))[:, : rings.wet]
+    amplitudes = np.einsum("ml,aln->man", rings.of_loads(rings.wet), responses)
     modes = tuple(_of_parts(label, parts) for label, parts in zip(rings.labels, amplitudes, strict=True))
     whole = replace(shape, basis=replace(basis, modes=(*basis.modes, *modes), rings=None))
     points = 4 * whole.basis.highest_degree + 40
@@ -556,10 +566,11 @@ def _parts(amplitudes: FloatArray) -> tuple[tuple[int, float, float], ...]:
 
 
 def load_displacements(study: Study, reference: ReferenceShell) -> tuple[Displacement, ...]:
-    """Return what the wall does under each load of the take-off at a ring, by all degrees that move water."""
-    if (rings := with_rings(study, reference).basis.rings) is None:
+    """Return what the wall does under each load at a ring or of water, by all degrees that move water."""
+    still = ReferenceShell(reference.shape, {k: v for k, v in reference.stiffness.items() if k != "hydrostatic"})
+    if (rings := with_rings(study, still, wet=clamps(study)).basis.rings) is None:
         return ()
-    responses = rings.under_loads(wet_degree(study)).swapaxes(0, 1)[: len(port_loads(study))]
+    responses = rings.under_loads(wet_degree(study)).swapaxes(0, 1)[: rings.wet]
     return tuple(Displacement("load", i, parts=_parts(one)) for i, one in enumerate(responses, 1))
 
 
@@ -606,14 +617,21 @@ class Stored(NamedTuple):
     shape: DeformedShell
 
 
-def stored_with_rings(study: Study, database: xr.Dataset, shape: DeformedShell, highest: int = HIGHEST) -> Stored:
+def stored_with_rings(
+    study: Study,
+    database: xr.Dataset,
+    shape: DeformedShell,
+    highest: int = HIGHEST,
+    *,
+    wet: Sequence[float] | None = None,
+) -> Stored:
     """Return the database and the shape of a study with the modes of the rings that it loads.
 
-    They move no water that the database does not know of.
+    They move no water that the database does not know of; `wet` as of `with_rings`.
     """
     names = [name for name in ("structural", "prestress") if f"{name}_stiffness" in database]
     none = dict.fromkeys(names, np.zeros((len(shape.basis.labels),) * 2))
-    found = with_rings(study, ReferenceShell(shape, none), highest=highest)
+    found = with_rings(study, ReferenceShell(shape, none), highest, wet=wet)
     if found.basis.rings is None:
         return Stored(database, shape)
     families = order_bases(study, found.basis)

@@ -36,8 +36,8 @@ DATABASE_SECONDS = (0.1, 1e-4)
 """Of a database of the spectral solver, once and for its motions squared."""
 LEFT_OUT_SECONDS = 1e-3
 """Of powers with up to twice as many shell modes, over their degree squared."""
-WET_SECONDS = 8.0
-"""The same where shapes beside loaded rings move water, beside it."""
+WET_SECONDS, BESIDE_LOADS = 8.0, 2.0
+"""The same where shapes beside loaded rings move water, beside it; and of coefficients over the band."""
 START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
 FIGURE_SECONDS = 0.15
@@ -129,7 +129,8 @@ def memory_doubts(gigabytes: float) -> list[str]:
 def block_seconds(block: AnyBlock) -> float:
     """Return the CPU time of the coefficients of a block of frequencies [s]."""
     if not isinstance(block, PanelsBlock):
-        return spectral_seconds(block.water, len(block.displacements))
+        beside = BESIDE_LOADS if isinstance(block.shape, Study) and block.shape.has("pto") else 0.0
+        return spectral_seconds(block.water, len(block.displacements)) + beside
     return PANEL_ROW2_SECONDS * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
 
 

@@ -218,7 +218,9 @@ def left_out_of_year(study: Study, floating: Floating, climate: Climate) -> Left
         return LeftOut(*np.zeros((2, len(study.designs), len(ENDS))))
     buoy = floating.study
     found = _left_out(
-        ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True, wet=floating.swept.on_rings)
+        ModeConvergence(
+            buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True, wet=floating.swept.clamps is not None
+        )
     )
     widest = [np.stack([one[:, 0, :, 0].min(axis=1), one[:, 0, :, 1].max(axis=1)], axis=-1) for one in found]
     return LeftOut(*widest)
@@ -230,7 +232,7 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     own = study.modes.basis == "full" and study.modes.max_degree == convergence.enough < convergence.finer
     before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
     at_ring = np.array([_uneven(convergence, design) for design in study.designs])
-    share = expected_change(study, convergence.enough) * at_ring
+    share = expected_change(study, convergence.enough, wet=convergence.wet) * at_ring
     if study.at_equilibrium:  # each degree has its own water
         share = np.maximum(share, SCATTER * SOLVED_EACH)
     expected = share[:, None, None] * before

@@ -158,7 +158,7 @@ def study_ladder(study: Study, database: str) -> list[ControlLevel]:
     seas = {wave.label: expected_sea(study, wave, ds) for wave in waves}
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
-    left_out = modes_left_out(study, pairs, families, wet=floating.on_rings)
+    left_out = modes_left_out(study, pairs, families, wet=floating.clamps is not None)
     matrices: Matrices | None = None
     if pto.several:
         levels, matrices = matrix_levels(study, floating, seas, families)

@@ -29,7 +29,7 @@ from vsb.models.floating_system import (
     floating_system,
     stored_body,
 )
-from vsb.models.rest import order_bases, rubber_shell
+from vsb.models.rest import clamps, order_bases, rubber_shell
 from vsb.models.stationary import realised_within
 from vsb.models.viability import Viability, viability, viability_of_body, with_designs
 from vsb.pipeline.graph import MEMORY, StudyPlan, database_path, radiation_path
@@ -58,7 +58,7 @@ from vsb.stages.make import make, solve
 from vsb.stages.stage import Stamp
 from vsb.stages.water import Blocks, refined
 from vsb.study.campaign import CAUSAL, ClimateFile, Constrained, Tunings, Verify
-from vsb.study.resolution import COARSEST_SWEEP
+from vsb.study.resolution import COARSEST_SWEEP, wets_rings
 from vsb.study.specs import MemberSpec, VerificationSpec, spec_of
 from vsb.study.study import Study
 from vsb.study.vary import Point
@@ -165,7 +165,8 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> SweptShape:
     plan = StudyPlan(study, root=root)
     solve(plan)
     families = order_bases(study, basis)
-    return SweptShape(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+    orders = tuple(_of_order(plan, basis, one) for one in (None, *families))
+    return SweptShape(orders, clamps(study) if wets_rings(study) else None)
 
 
 def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearSystem:

@@ -16,7 +16,7 @@ from vsb.engine.hydro.database import Check, with_history
 from vsb.engine.hydro.dofs import displacements
 from vsb.engine.hydro.panels.mesh import write_shell
 from vsb.engine.hydro.spectral.solver import MOST_NODES, SpectralProblem, converged, converged_on_grid, fewest_nodes
-from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
+from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR, is_of_ring
 from vsb.engine.shell.deformed import ReferenceShell, rigid_buoy
 from vsb.engine.shell.meridian import also_through, curve
 from vsb.engine.shell.modes import Mode
@@ -25,6 +25,7 @@ from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
 from vsb.models.rest import (
     check_stable,
+    clamps,
     load_displacements,
     mooring_stiffness,
     order_bases,
@@ -187,7 +188,7 @@ def run_database(
     reference = reference_shell(study)
     families = order_bases(study, reference.basis)
     if study.has("pto"):  # beside loaded rings, too
-        reference = with_rings(study, reference, wet=True)
+        reference = with_rings(study, reference, wet=clamps(study))
 
     def in_modes(blocks: Blocks) -> tuple[tuple[list[_Part], list[xr.Dataset], list[xr.Dataset] | None], list[Check]]:
         parts = [_Part(study, reference, blocks, basis) for basis in (None, *(one for one in families if not one.odd))]
@@ -210,6 +211,7 @@ def run_database(
         "centre_height": study.centre_height,
         "basis": study.modes.basis if study.flexible else "rigid",
         "degree": study.modes.max_degree if study.flexible else 1,
+        "clamps": json.dumps(clamps(study)),
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,
@@ -298,7 +300,7 @@ class _Part:
         moved = (
             orders.in_order_modes(merged, self.basis) if self.basis else database.in_modes(merged, self.reference.basis)
         )
-        return database.with_excitation(moved)
+        return _limited_by_band(database.with_excitation(moved))
 
     def verdict(self, swept: xr.Dataset, asked: xr.Dataset | None, precision: float) -> list[Check]:
         """Checks of what moves water, as pitch about the sphere's centre does not."""
@@ -317,6 +319,18 @@ class _Part:
             return database.with_structure(even, self.reference)
         passive = orders.with_haskind_damping(even, self.order, water.depth, water.density, water.gravity)
         return orders.with_order_structure(passive, self.basis, order_stiffness(self.study, self.basis, self.reference))
+
+
+def _limited_by_band(ds: xr.Dataset) -> xr.Dataset:
+    """Coefficients whose added mass at infinity is, of shapes beside loads, what it is as seen from within the band.
+
+    At the waterline their damping lasts beyond it, at frequencies far below their own.
+    """
+    ring = np.array([is_of_ring(str(label)) for label in ds.influenced_dof.values])
+    if "added_mass_inf" not in ds or not ring.any() or ds.sizes["omega"] < 3:
+        return ds
+    known, limit = ds.added_mass_inf, quality.by_ogilvie(ds)
+    return ds.assign(added_mass_inf=known.copy(data=np.where(np.logical_or.outer(ring, ring), limit, known.values)))
 
 
 def _whole(

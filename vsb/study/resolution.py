@@ -176,8 +176,10 @@ class HydroPlan:
         return (*radial, *meridional) if self.study.rests_deformed or shaped else radial
 
     def loaded_shell(self, *names: str, **changed: Any) -> Study:
-        """Return what of the study its shell at rest and its ports follow from; and further sections."""
-        return self.shell(*names, pto=self.study.pto.place, **changed)
+        """Return what of the study its shell at rest, its ports and all clamps follow from; and further sections."""
+        held = tuple(sorted({at for one in self.study.designs.values() for at in one.clamp}))
+        loaded = {"pto": self.study.pto.place, "designs": {"any": Design(clamp=held)}}
+        return self.shell(*names, **loaded | changed)
 
     def mesh(self, omega: float) -> Mesh:
         """Spec of the mesh that serves frequencies up to omega."""
@@ -482,17 +484,34 @@ def bending_degree(study: Study) -> float:
     return float((12 * (1 - device.poisson_ratio**2)) ** 0.25 * math.sqrt(_reach(study) / device.thickness))
 
 
-def wets_rings(study: Study) -> bool:
-    """Return whether shapes beside loaded rings move water: where a port drives the bending of the wall, if linear.
+MOST_DRY = 42
+"""Degree above which what the wall does beside the waterline replaces shell modes: these take hundreds of megabytes."""
+BESIDE_WATERLINE = 2
+"""Degree without what the wall does beside the waterline over that with it, for the same error, at least [-]."""
 
-    Beside other loads they move hardly any. Panels and a moving wetted surface would not resolve them.
+
+def _turns(study: Study) -> bool:
+    """Whether a port surges or pitches with the buoy."""
+    return any(one in ("surge", "pitch") or isinstance(one, LinePort) for one in study.pto.single_ports)
+
+
+def _bends_wall(study: Study) -> bool:
+    """Whether a port drives the bending of the wall."""
+    return any(
+        isinstance(one, BetweenPort) or (isinstance(one, ShellPort) and one.direction == "radial")
+        for one in study.pto.single_ports
+    )
+
+
+def wets_rings(study: Study) -> bool:
+    """Return whether shapes beside the rings a port loads and beside the waterline move water, if linear.
+
+    Where a port drives the bending of the wall, or the wall is so soft and thin that it needs many shell modes without.
+    Panels and a moving wetted surface would not resolve them.
     """
     if not study.flexible or study.modes.basis != "full" or study.hydro.model != "linear" or study.uses_panels:
         return False
-    return any(
-        isinstance(port, BetweenPort) or (isinstance(port, ShellPort) and port.direction == "radial")
-        for port in study.pto.single_ports
-    )
+    return _bends_wall(study) or (not _turns(study) and degree_needed(study, wet=False) > MOST_DRY)
 
 
 WET, MOST_WET = 6.0, 240
@@ -513,12 +532,15 @@ def _reach(study: Study) -> float:
     return radius if rest is None else max(radius, rest.highest, -rest.lowest)
 
 
-def expected_change(study: Study, degree: int) -> float:
+def expected_change(study: Study, degree: int, *, wet: bool = False) -> float:
     """Return the change of mean power by all shell modes above a degree that is to be expected, relative [-].
 
     Waves press on the wet part of the wall. Of such a load the Legendre degree n falls like n^-3/2, and the wall yields
-    to it by 1/k_n, so that what degrees above n do is about rho g/(k_n n^1.4).
+    to it by 1/k_n, so that what degrees above n do is about rho g/(k_n n^1.4). Where shapes beside the waterline move
+    water, they hold most of it.
     """
+    if wet and not _bends_wall(study):
+        degree *= BESIDE_WATERLINE
     return 1 / (wall_stiffness(study, degree) * math.pow(degree, 1.4))
 
 
@@ -544,15 +566,14 @@ def degree_needed(study: Study, wet: bool | None = None) -> int:
     within = any(held or one.against == "frame" for one in rings) or any(
         one == "volume" or isinstance(one, BetweenPort | DistributedPort | StrainPort) for one in ports
     )
-    turns = any(one in ("surge", "pitch") or isinstance(one, LinePort) for one in ports)
     factor = MARGIN * (1 + SOFT / stiffness + (WITHIN * stiffness if within else 0.0))
     if study.device.shape is not None:
         factor *= SHAPES
-    if turns:
+    if _turns(study):
         factor *= TURNS
     if any(one.direction == "radial" for one in rings):
         factor *= WET_RADIAL if wet else RADIAL
     enough = study.modes.tolerance / factor
     between = any(isinstance(one, BetweenPort) for one in ports)
     least = (AT_WET_POINTS if wet else AT_POINTS) * bending_degree(study) if between else 0.0
-    return next((n for n in DEGREES if n >= least and expected_change(study, n) <= enough), DEGREES[-1])
+    return next((n for n in DEGREES if n >= least and expected_change(study, n, wet=wet) <= enough), DEGREES[-1])

@@ -113,17 +113,18 @@ def kinks(omega: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(np.abs(values[2:-2] - neighbours))
 
 
-def added_mass_difference(ds: xr.Dataset) -> float:
-    """Return the mean over the lower half of the band of A(inf) solved minus A(inf) by Ogilvie's relation.
-
-    Relative to the diagonal of A(inf).
-    """
+def by_ogilvie(ds: xr.Dataset) -> FloatArray:
+    """Return A(inf) by Ogilvie's relation, the mean over the lower half of the band, shape (dof, dof)."""
     half = ds.omega.values <= 0.5 * ds.omega.values[-1]
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     change = np.tensordot(spectrum.added_mass_shares(ds.omega.values[half]).mean(axis=0), spectrum.damping, 1)
+    return np.asarray(ds.added_mass.values[half].mean(axis=0) - change)
+
+
+def added_mass_difference(ds: xr.Dataset) -> float:
+    """Return A(inf) solved minus A(inf) by Ogilvie's relation, relative to the diagonal of A(inf)."""
     root = np.sqrt(np.diag(ds.added_mass_inf.values))
-    ogilvie = ds.added_mass.values[half].mean(axis=0) - change
-    return float(np.abs((ogilvie - ds.added_mass_inf.values) / np.outer(root, root)).max())
+    return float(np.abs((by_ogilvie(ds) - ds.added_mass_inf.values) / np.outer(root, root)).max())
 
 
 def identity_check(name: str, value: float, limit: float, precision: float, explanation: str) -> Check:

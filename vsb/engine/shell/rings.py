@@ -8,8 +8,9 @@ degree. One further shape for each load,
     w_n = K_n^-1 R_n^T,    n > N,
 
 is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves little water, its
-wavelengths being short, which counts where a take-off drives the bending of the wall beside a ring
-(`vsb.study.resolution.wets_rings`).
+wavelengths being short, which counts where a take-off drives the bending of the wall beside a ring, or the wall is soft
+(`vsb.study.resolution.wets_rings`). There two more loads are pressures that set in at the waterline, as all pressures
+of water do.
 `RingModes` are of the sphere, `KinkModes` of other shapes.
 
 Loads that go with cos(m theta), m >= 1, do the same: of radial displacements and gradients along the surface a degree
@@ -121,6 +122,38 @@ class BeltLoad(NamedTuple):
         return np.asarray((self.hoop * hoop + self.meridional * meridional) / -np.diff(np.cos(ends)))
 
 
+class PressureLoad(NamedTuple):
+    """A pressure on the wall below still water, constant or growing with the depth: what water does near the surface.
+
+    Every pressure of water sets in at the waterline so; terms of degrees fall like n^-3/2 and n^-5/2.
+    """
+
+    colatitude: float  # of the waterline [rad]
+    power: int  # 0 or 1, of the depth over the radius
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves the shell."""
+        return True
+
+    def rows(self, degrees: IntArray, order: int = 0) -> FloatArray:
+        """Return its work on radial and meridional amplitudes of degrees on a sphere, shape (degree, 2) [-].
+
+        Of order 0. With x the cosine of the colatitude, int P_n dx = (P_(n+1) - P_(n-1))/(2n + 1), also twice.
+        """
+        assert order == 0
+        p, *_ = _harmonics(np.arange(int(degrees[-1]) + 3), 0, np.array([self.colatitude]))
+
+        def below(n: IntArray) -> FloatArray:
+            return np.asarray((p[n + 1] - p[n - 1])[:, 0] / (2 * n + 1))
+
+        moment = (below(degrees + 1) - below(degrees - 1)) / (2 * degrees + 1) if self.power else below(degrees)
+        return np.stack([moment, np.zeros(len(degrees))], axis=-1)
+
+
+Load = RingLoad | BeltLoad | PressureLoad
+
+
 def normal_to_wall(colatitude: float) -> RingLoad:
     """Return a radial load at a colatitude [rad]."""
     return RingLoad(float(colatitude), 1.0, 0.0)
@@ -153,7 +186,7 @@ class AttachmentModes(ABC):
     shell : Shell
     degree : int
         N, of the modes beside which they stand.
-    loads : tuple of RingLoad or BeltLoad
+    loads : tuple of RingLoad, BeltLoad or PressureLoad
     tension : tuple of float
         Membrane force along the meridian at each ring, of a shell under load [N/m].
     highest : int
@@ -166,7 +199,7 @@ class AttachmentModes(ABC):
 
     shell: Shell
     degree: int
-    loads: tuple[RingLoad | BeltLoad, ...]
+    loads: tuple[Load, ...]
     tension: tuple[float, ...]
     highest: int = HIGHEST
     order: int = 0
@@ -176,6 +209,11 @@ class AttachmentModes(ABC):
     def resolved(self) -> int:
         """The highest degree that answers."""
         return self.highest
+
+    @property
+    def wet(self) -> int:
+        """How many of the first loads see the water: up to the last pressure of it."""
+        return max((i for i, load in enumerate(self.loads, 1) if isinstance(load, PressureLoad)), default=0)
 
     @property
     @abstractmethod
@@ -223,17 +261,27 @@ class AttachmentModes(ABC):
         loads, (_, elastic, stretched) = len(self.loads), self._under_loads
         return np.diag(elastic + stretched)[:loads]
 
+    @cached_property
+    def _units(self) -> FloatArray:
+        """What is a displacement of one under each load: of the ring, under a pressure at most, shape (load,) [m/N]."""
+        found = self._own_compliance.copy()
+        if self.wet:
+            p, *_ = _harmonics(np.arange(MOST + 1), 0, np.linspace(0.0, np.pi, 2 * MOST))
+            largest = np.abs(self._in_degrees(MOST)[0] @ p).max(axis=1)
+            found = np.where([isinstance(load, PressureLoad) for load in self.loads], largest, found)
+        return found
+
     def of_loads(self, count: int) -> FloatArray:
         """Return the share in each mode of what a unit displacement of the first loads does, shape (mode, count) [-].
 
         Of modes of further loads 0.
         """
         alone = ~self._combinations[count:].any(axis=0)
-        return np.asarray((self._combinations[:count] * alone * self._own_compliance[:count, None]).T)
+        return np.asarray((self._combinations[:count] * alone * self._units[:count, None]).T)
 
     def under_loads(self, highest: int) -> FloatArray:
         """Return radial and meridional amplitudes of degrees, where each load moves by one, (2, load, degree) [-]."""
-        return self._in_degrees(highest) / self._own_compliance[:, None]
+        return self._in_degrees(highest) / self._units[:, None]
 
     @abstractmethod
     def _in_degrees(self, highest: int) -> FloatArray:
@@ -490,14 +538,18 @@ class KinkModes(AttachmentModes):
         pairs = zip(of_degrees(self._finest, phi), self._kinks(phi), strict=True)
         return Displacements(*(np.concatenate(pair) for pair in pairs))
 
-    def _at(self, start: float = 0.0, end: float = math.pi) -> _At:
-        """Points of a rule for energies, of the belt between two colatitudes [rad]."""
+    def _points(self, start: float, end: float) -> tuple[FloatArray, FloatArray]:
+        """Colatitudes between two [rad], and weights of a rule for energies."""
         meridian = self.shell.meridian
         graded = {angle if pole > 0 else math.pi - angle for pole in self._poles for angle in GRADED}
         breaks = sorted({*meridian.junctions, *self._rings, *graded, start, end} - {0.0, math.pi}, key=np.real)
         phi, dphi = meridian_rule(breaks, 4 * self._finest + 64 + meridian.terms)
         inside = (start < np.real(phi)) & (np.real(phi) < end)
-        phi, dphi = phi[inside], dphi[inside]
+        return phi[inside], dphi[inside]
+
+    def _at(self, start: float = 0.0, end: float = math.pi) -> _At:
+        """What energies of the belt between two colatitudes need [rad]."""
+        meridian, (phi, dphi) = self.shell.meridian, self._points(start, end)
         at, of = curve(meridian, phi), self._displacements(phi)
         return _At(2 * np.pi * at.x * length(at.dx, at.dz) * dphi, of, strains(meridian, phi, of))
 
@@ -539,11 +591,13 @@ class KinkModes(AttachmentModes):
             found[:, own] = _static(stiffness, rows[own].T, balanced) - _static(stiffness, rows[own].T, few)
         return np.asarray(found - np.outer(rigid, weighed @ found))
 
-    def _row(self, load: RingLoad | BeltLoad) -> FloatArray:
+    def _row(self, load: Load) -> FloatArray:
         """Work of a load on displacements, shape (displacement,) [-]; of a belt times the radius."""
         if isinstance(load, RingLoad):
             v, u = self._values(np.array([load.colatitude]))
             return load.radial * v[:, 0] + load.meridional * u[:, 0]
+        if isinstance(load, PressureLoad):
+            return self._under_pressure(load)
         hoop, meridional = self._of_belt(load.upper, load.lower)
         return self.shell.radius * (load.hoop * hoop + load.meridional * meridional)
 
@@ -552,6 +606,15 @@ class KinkModes(AttachmentModes):
         inside = np.clip(colatitude, 1e-6, math.pi - 1e-6)
         of = self._displacements(inside)
         return of.v, of.u * (np.sin(colatitude) > AT_POLE)
+
+    def _under_pressure(self, load: PressureLoad) -> FloatArray:
+        """Work of a pressure on displacements, int p N.psi dA below the waterline, over 2 pi r^2."""
+        phi, dphi = self._points(load.colatitude, math.pi)
+        at, of, sin, cos = curve(self.shell.meridian, phi), self._displacements(phi), np.sin(phi), np.cos(phi)
+        depth = curve(self.shell.meridian, np.array([load.colatitude])).z[0] - at.z
+        outwards = (at.dx * cos - at.dz * sin) * of.v - (at.dx * sin + at.dz * cos) * of.u
+        weight = at.x * (depth / self.shell.radius) ** load.power * dphi
+        return np.asarray(outwards @ weight / self.shell.radius**2)
 
     def _of_belt(self, upper: float, lower: float) -> tuple[FloatArray, FloatArray]:
         """Mean strains around the axis and along the meridian of a belt by displacements, (displacement,) [1/m]."""
