@@ -187,7 +187,7 @@ def page(data):
     body = [["B", "20"], ["A", "100"], ["C", "-3"]]
     return pages.page(
         "report.html.j2", interactive=as_script(data), kind="study", port=FORCE, facts={}, head=head, body=body, details_head=head, details=body,
-        below=(), no_slider="", parts_head=(), parts=(), more_failed=0, doubts=0, thing="buoy", compared=True, animated=None, still="", at_force=(), elsewhere=(), **values,
+        below=(), no_slider="", conversion="", parts_head=(), parts=(), more_failed=0, doubts=0, thing="buoy", compared=True, animated=None, still="", at_force=(), elsewhere=(), **values,
     )  # fmt: skip
 
 
