@@ -173,7 +173,7 @@ NEWTON_STEPS, LONGEST_STEP = 6, 0.05
 HELD = 1e-3
 """Distance from a limit within which it is taken for active before the Newton steps."""
 BEYOND = 0.02
-"""Violation from which on a start is led within the limits before it is searched from."""
+"""Violation from which on a start is led within the limits before it is searched from, and no run ends early."""
 TRIES = 16
 """Places tried for one start until a buoy rests."""
 Progress = Callable[[Point], None]
@@ -282,7 +282,7 @@ OF_POWER = (POWER, "power_per_mass", "power_per_surface")
 
 
 class _Close(Exception):
-    """Ends a run of the optimiser: its steps have become small."""
+    """Ends a run of the optimiser: its steps have become small, near enough to all limits."""
 
 
 def _searched(problem: Problem, start: Point, ends: tuple[float, float], seen: Progress | None) -> tuple[Point, str]:
@@ -306,7 +306,7 @@ def _searched(problem: Problem, start: Point, ends: tuple[float, float], seen: P
 
     def slope(place: FloatArray) -> FloatArray:
         step = np.abs(place - iterates[-1]).max()
-        if 0.0 < step < ends[0]:
+        if 0.0 < step < ends[0] and last[0].violation <= BEYOND:
             raise _Close
         iterates.append(place.copy())
         return (at(place) or last[0]).slope
