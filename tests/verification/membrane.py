@@ -19,6 +19,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 GRAVITY, WATER = 9.81, 1025.0
+MEET = 1e-8
+"""Gap of the halves at most, in metres, radians and stretch: that of the integration is 1e-10."""
 POLE = 1e-4
 """Colatitude at which the integration begins: the curvature there is that of the pole to 1e-8."""
 Slopes = tuple[float, float, float, float]
@@ -108,8 +110,8 @@ class Balloon:
         def gap(q: np.ndarray) -> np.ndarray:
             return self._half(q[0], q[1], True) - self._half(q[2], q[3], False)
 
-        q, _, ok, message = fsolve(gap, guess, xtol=1e-11, full_output=True)
-        if ok != 1:
+        q, found, _, message = fsolve(gap, guess, xtol=1e-11, full_output=True)
+        if np.abs(found["fvec"]).max() > MEET:
             raise RuntimeError(f"the halves do not meet: {message}")
         above, below = phi[phi <= np.pi / 2], phi[phi > np.pi / 2]
         upper, lower = self._half(q[0], q[1], True, above), self._half(q[2], q[3], False, below[::-1])[:, ::-1]
