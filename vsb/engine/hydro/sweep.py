@@ -152,7 +152,7 @@ def selected(
     ascending = np.argsort(omega)  # round-off, and what it decides, must not depend on the order of solving
     omega, values, size = omega[ascending], values[ascending], size[ascending]
     found = interpolants(omega, values, size)
-    on = [r(grid) for r in found]
+    on = (r(grid) for r in found)  # two at a time: of many motions each takes hundreds of megabytes
     steps = [np.abs(b - a).max(axis=1) * on_grid for a, b in itertools.pairwise(on)]
     doubts = [np.maximum(a, b) for a, b in itertools.pairwise(steps)]
     misfits = [float((np.abs(r(omega) - values).max(axis=1) * size).max()) for r in found[1:-1]]
