@@ -6,7 +6,7 @@ from scipy.special import eval_legendre
 from verification.conftest import SEED
 from verification.multipoles import Shell, motion, strain_port
 
-SHELL, DEGREE, AMPLITUDE = Shell(mass=17170.0), 6, 0.02
+SHELL, DEGREE, ALL, AMPLITUDE = Shell(mass=17170.0), 6, 140, 0.02
 ALONE = {"designs": {"VSWEC": {}}}
 
 
@@ -33,12 +33,13 @@ def absorbed(velocity: np.ndarray, admittance: np.ndarray, matrix: np.ndarray) -
 def test_strain(agree, run, kind, held):
     """A damper on the change of area with the frame held, and on the hoop strain of a belt with the frame free.
 
-    The ends of a belt are line loads, under which the package knows what all degrees do: so do the multipoles.
+    At the ends of a belt, and where the pressure of so soft a wall's water sets in, the package knows what all degrees
+    do: so do the multipoles.
     """
     period, belt = 3.0, (60.0, 120.0) if kind == "hoop" else (0.0, 180.0)
-    solved, known = (30, 140) if kind == "hoop" else (DEGREE, DEGREE)
-    water = motion(SHELL, period, known)
-    port = (water.modes.T @ strain_port(SHELL, known, kind, belt))[:, None]
+    solved = 30 if kind == "hoop" else DEGREE
+    water = motion(SHELL, period, ALL)
+    port = (water.modes.T @ strain_port(SHELL, ALL, kind, belt))[:, None]
     port[0] = 0.0  # heave strains nothing
     velocity, admittance = water.network(port, slice(1 if held else 0, None))
     best = np.array([[1 / abs(admittance[0, 0])]])
@@ -52,13 +53,14 @@ def test_strain(agree, run, kind, held):
 
 @pytest.mark.parametrize(
     ("port", "order", "tolerance"),
-    [({"between": [0.0, 180.0]}, 2, 9e-4), ({"colatitude": 120.0, "direction": "radial"}, 3, 5e-5)],
+    [({"between": [0.0, 180.0]}, 2, 2e-5), ({"colatitude": 120.0, "direction": "radial"}, 3, 2e-6)],
 )
 def test_ports_that_bend_the_wall(agree, run, port, order, tolerance):
     """Between the poles, and normal to the wall below water: degrees to 240, all in the water, and no modes of rings.
 
     Under such loads errors of the multipoles fall with that order of the degree. The package has 20 degrees, and what
-    further ones do beside the port sees the water; without, the power between the poles would be 1.5 % off.
+    further ones do beside the port and the waterline sees the water; without, the power between the poles would be
+    1.5 % off.
     """
     period, name, wall = 3.3, next(iter(port)), {"thickness": 0.02, "young_modulus": 6.0e7, "density": 1100.0}
     shell = Shell(**wall)
@@ -81,10 +83,13 @@ def test_ports_that_bend_the_wall(agree, run, port, order, tolerance):
 
 
 def test_damper_matrix(agree, run):
-    """Heave and change of area, coupled by the damper matrix of the take-off."""
+    """Heave and change of area, coupled by the damper matrix of the take-off.
+
+    With degrees to 6 alone the power would be 22 % off: what all do at the waterline is in the package.
+    """
     period = 3.0
-    water = motion(SHELL, period, DEGREE)
-    area = water.modes.T @ strain_port(SHELL, DEGREE, "area")
+    water = motion(SHELL, period, ALL)
+    area = water.modes.T @ strain_port(SHELL, ALL, "area")
     heave = np.eye(len(area))[0]
     area[0] = 0.0
     velocity, admittance = water.network(np.column_stack([heave, area]))
@@ -93,7 +98,7 @@ def test_damper_matrix(agree, run):
     ports = {"frame": "heave", "wall": {"strain": "area"}}
     in_time, steady_state = powers(run, "matrix", period, {"ports": ports, "damping": matrix.tolist()})
     wanted = absorbed(velocity, admittance, matrix)
-    agree("damper matrices", "power at heave and area, frequency domain", steady_state, wanted, 5e-3)
+    agree("damper matrices", "power at heave and area, frequency domain", steady_state, wanted, 1e-3)
     agree("damper matrices", "power at heave and area, in time", in_time, wanted, 2e-2)
     apart = absorbed(velocity, admittance, np.diag(own))
     assert abs(wanted / apart - 1) > 0.1  # else the coupling would not have been tested
