@@ -207,7 +207,7 @@ LONGEST_INTEGER = 1000
 MOST_REPORTED = 20
 """Most errors of one file that are listed."""
 MOST_NODES = 100_000
-"""Values of a file with its aliases written out; a few lines of aliases within aliases stand for any number."""
+"""Values that the aliases of a file may stand for; a few lines of aliases within aliases stand for any number."""
 
 
 def read_yaml(path: str | Path, wanted: str) -> object:
@@ -243,7 +243,8 @@ def _loaded(text: str) -> object:
     loader = _UniqueKeyLoader(text)
     try:
         node = loader.get_single_node()
-        if node is not None and _written_out(node, {}) > MOST_NODES:
+        known: dict[int, float] = {}
+        if node is not None and _written_out(node, known) > len(known) + MOST_NODES:
             raise ValueError(f"its aliases stand for more than {MOST_NODES} values")
         data = None if node is None else loader.construct_document(node)
         return Located(data, node) if isinstance(node, yaml.MappingNode) and isinstance(data, dict) else data
