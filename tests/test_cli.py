@@ -16,6 +16,7 @@ from stages.test_members import planned, with_seas
 
 from vsb import __version__
 from vsb.cli import main, parser
+from vsb.errors import INTERRUPTED
 from vsb.keys.quantities import canonical
 from vsb.pipeline.graph import StudyPlan
 from vsb.study.study import load
@@ -348,3 +349,11 @@ def test_a_shell_is_told_what_may_follow(tmp_path, monkeypatch, line, follows):
     asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": "found"}
     subprocess.run([sys.executable, "-m", "vsb"], env={**os.environ, **asked}, check=True)
     assert {*Path("found").read_text().split("\n")} == follows
+
+
+def test_ctrl_c_while_modules_load_is_one_line():
+    """The first half second of a command goes into imports."""
+    loading = "class Finder:\n def find_spec(name, *rest):\n  if name == 'vsb.cli': raise KeyboardInterrupt"
+    code = f"import sys\n{loading}\nsys.meta_path.insert(0, Finder)\nfrom vsb.__main__ import main\nsys.exit(main())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, f"{INTERRUPTED}\n")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import vsb.tools.garbage
 import vsb.tools.threads  # noqa: F401  before NumPy is loaded
 from vsb import __version__
-from vsb.errors import ConfigError, VsbError
+from vsb.errors import INTERRUPTED, ConfigError, VsbError
 from vsb.keys.quantities import Section
 from vsb.keys.reading import nearest
 from vsb.pipeline.graph import StudyPlan
@@ -524,7 +524,7 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         reason = f"{error.filename2 or error.filename}: cannot be read or written ({error.strerror})"
         return _mistake(f"{reason}; needs a path you may use")
     except KeyboardInterrupt:
-        print("vsb: interrupted; run the same command again to go on from here", file=sys.stderr)
+        print(INTERRUPTED, file=sys.stderr)
         return 130
 
 

@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 
+INTERRUPTED = "vsb: interrupted; run the same command again to go on from here"
+"""What a command says that Ctrl-C ended."""
+
 
 class VsbError(Exception):
     """Base of all errors that are the user's to mend: reported as one line, exit code 2."""
