@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.engine.waves.climate import is_doubt
-from vsb.engine.waves.measured_spectra import calendar, read_ndbc, read_spectra
+from vsb.engine.waves.climate import is_doubt, of_records, seasons
+from vsb.engine.waves.measured_spectra import read_ndbc, read_spectra
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.tools.files import sha256_of
@@ -376,12 +376,24 @@ def test_records_left_out_are_noted(written):
         assert note in notes
 
 
-def test_months_without_records_put_a_year_in_doubt():
-    """A logger that failed from March to August: the ends of the file are a year apart."""
+def test_months_without_usable_records_put_a_year_in_doubt():
+    """A sensor that failed from March to July: rows are missing, or rows without a value."""
     days = [datetime(2023, 1, 1) + timedelta(days=i) for i in range(365)]
-    assert not any(map(is_doubt, calendar(days)[1]))
-    (doubt,) = filter(is_doubt, calendar([day for day in days if not 3 <= day.month <= 8])[1])
-    assert doubt == "6 months stand for a year: seasons are missing"
+    omega, fine = np.array([0.5, 1.0, 1.5, 2.0]), np.array([day.month < 3 or day.month > 7 for day in days])
+    density = np.tile([0.5, 1.0, 0.2, 0.002], (365, 1))
+    assert not any(map(is_doubt, of_records(omega, density, "file", times=days).notes))
+    density[~fine, 1] = np.nan
+    (doubt,) = filter(is_doubt, of_records(omega, density, "file", times=days).notes)
+    assert doubt == "7 months stand for a year: seasons are missing"
+
+
+def test_seasons_that_count_unequally_put_a_year_in_doubt():
+    """Of eighteen months six count twice; of five years and a half they count six times for five."""
+    days = [datetime(2021, 1, 1) + timedelta(days=i) for i in range(365 + 181)]
+    (doubt,) = seasons(days)
+    assert doubt == "July has 50% of the records a day of January, and they stand for a year: seasons count unequally"
+    assert is_doubt(doubt)
+    assert not seasons([datetime(2015, 1, 1) + timedelta(days=i) for i in range(5 * 365 + 182)])
 
 
 @pytest.mark.parametrize(

@@ -214,6 +214,7 @@ NDBC = (
 TEXTS = {
     "dates": (text(), "te"),
     "units and decimal commas": (text("Datum;Hs [m];Te [s]", ";").replace(".", ","), "te"),
+    "American dates": (text(times=[f"1/31/2020 {int(d[11:13]) % 12 or 12}:00 AM" for d in DAYS]), "te"),
     "German dates": (text("Datum;Hs;Te", ";", [f"01.01.2020 {d[11:]}" for d in DAYS]), "te"),
     "peak periods": (text("time,Hs (m),Tp (s)"), "tp"),
     "no dates": ("Hs Tz\n" + "".join(f"{h} {t}\n" for h, t in zip(HS_SERIES, TE_SERIES, strict=True)), "tz"),
@@ -237,13 +238,27 @@ def test_a_series_is_counted_into_cells(written, dialect):
     assert float(climate.hours @ climate.flux(Water())) == pytest.approx(deep, rel=2e-3)
 
 
+def test_afternoons_are_twelve_hours_later(written):
+    days = ["01/31/2020 12:00 AM", "01/31/2020 11:00 AM", "01/31/2020 12:00 PM", "01/31/2020 11:00 p.m."]
+    notes = read_scatter(written(text(times=days))).notes
+    assert "2020-01-31 00:00 to 2020-01-31 23:00" in notes
+
+
+def test_calm_is_no_missing_value(written):
+    """A sea that is flat half of the time brings half the energy, which the file cannot tell from a fault."""
+    content = text() + "".join(f"2020-01-01 {h}:00,0.0,\n" for h in (12, 15, 18))
+    (note,) = (note for note in read_scatter(written(content)).notes if "height 0" in note)
+    assert note.startswith("3 records of height 0 left out: calm or faulty")
+    assert is_doubt(note)
+
+
 def test_average_periods_of_ndbc(written):
     """Of WVHT, DPD and APD the zero-crossing period is used: peaks jump between swell and wind sea."""
     climate = read_scatter(written(NDBC))
     assert climate.te == pytest.approx([5.0 * energy_period_over("tz", 3.3)] * 2)
     notes = "; ".join(climate.notes)
     for note in (
-        "series of WVHT and APD", "5 records, 1 with missing values or no waves left out",
+        "series of WVHT and APD", "5 records, 1 with missing values left out",
         "columns left out: WDIR, WSPD [m/s], GST [m/s], DPD [sec], MWD", "counted in bins of 0.5 m and 1 s", "0 days stand for a year",
     ):  # fmt: skip
         assert note in notes

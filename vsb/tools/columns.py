@@ -21,7 +21,8 @@ COMMENT = ("#", "%", "//")
 """Beginnings of lines that are no rows; names and units of the columns may stand there."""
 _DAY = r"\d{4}[-/]\d\d?[-/]\d\d?|\d\d?[./]\d\d?[./]\d{4}"
 _DATE = re.compile(rf"(?:{_DAY})(?:T\d\d?:\d\d\S*)?")
-_SPACED_DATE = re.compile(rf"({_DAY}) +(\d\d?:\d\d)")
+_SPACED_DATE = re.compile(rf"({_DAY}) +(\d\d?:\d\d(?::\d\d(?:\.\d+)?)?)(?: ?([ap])\.?m\b\.?)?", re.IGNORECASE)
+"""Day and time of day, perhaps with AM or PM."""
 _ORDERS = ("%Y-%m-%d", "%Y/%m/%d", "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _WORD = re.compile(r"[^\s\[(]*(?:\s*(?:\[[^\]]*\]|\([^)]*\)))+|\S+")
@@ -85,7 +86,7 @@ def read_columns(
         Whether a name is one that is looked for: a comment with two of them is a line of names.
     """
     lines = [
-        (n, _SPACED_DATE.sub(r"\1T\2", line.strip(" \r\n\ufeff")))
+        (n, _SPACED_DATE.sub(_joined_date, line.strip(" \r\n\ufeff")))
         for n, line in enumerate(text_of(path, where, needed).splitlines(), 1)
         if line.strip(" \t\r\n\ufeff,;")
     ]
@@ -111,6 +112,12 @@ def read_columns(
     if not all(units):
         _check_titles(path, [(n, line) for n, line in before if n not in used])
     return Columns(names, units, header, rows)
+
+
+def _joined_date(spaced: re.Match[str]) -> str:
+    """A date without blanks."""
+    day, clock, half = spaced.groups()
+    return f"{day}T{clock}{half.upper() + 'M' if half else ''}"
 
 
 def _heads(
@@ -161,6 +168,8 @@ def _in_order(cells: Sequence[str], order: str) -> list[datetime]:
     found = []
     for cell in cells:
         clock = "T%H:%M:%S.%f" if "." in cell[11:] else "T%H:%M:%S" if cell.count(":") == 2 else "T%H:%M"
+        if cell.endswith(("AM", "PM")):
+            clock = clock.replace("%H", "%I") + "%p"
         try:
             found.append(datetime.strptime(cell, order + clock if "T" in cell else order))
         except ValueError:

@@ -5,8 +5,11 @@ IEC TS 62600-101 and 62600-100.
 """
 
 import re
+from calendar import month_name, monthrange
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from typing import Self
 
@@ -29,6 +32,10 @@ AGREEMENT = 0.02
 """Relative difference allowed between Hs and that of the spectrum: tables round, bands cut tails."""
 PARTIAL, CUT, FEW = "stand for a year", "too much to be left out", "more than half of the records are not used"
 """Words of the notes on records of a part of the year only, on bands that end too early, and on faulty files."""
+OVERSTATED = "if they are calm, the year holds less energy"
+"""Words of the note on records without waves, where they are more than `FAULTY`."""
+UNEVEN = 2 / 3
+"""Records of a month over its days, relative to the month with most, below which seasons count unequally."""
 UNSTATED = "which the file does not state"
 """Words of the notes on what a file was taken for."""
 LOWEST_DENSITY, HIGHEST_DENSITY = 1e-30, 1e6
@@ -173,7 +180,31 @@ def height_and_period(omega: FloatArray, density: FloatArray) -> tuple[FloatArra
     return 4 * np.sqrt(m0), 2 * np.pi * before / m0
 
 
-def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Sequence[str] = ()) -> Climate:
+def seasons(times: Sequence[datetime]) -> list[str]:
+    """Return a note where records with waves at some instants, of equal shares, are no year; none where they are."""
+    days, count = (max(times) - min(times)).total_seconds() / 86400, Counter(time.month for time in times)
+    if days < 360 or len(count) < 12:
+        covered = f"{days:.0f} days" if days < 360 else f"{len(count)} months"
+        return [f"{covered} {PARTIAL}: seasons are missing"]
+    dense = {month: number / monthrange(2001, month)[1] for month, number in count.items()}
+    least, most = min(dense, key=dense.__getitem__), max(dense, key=dense.__getitem__)
+    if dense[least] >= UNEVEN * dense[most]:
+        return []
+    share = f"{dense[least] / dense[most]:.0%} of the records a day of {month_name[most]}"
+    return [f"{month_name[least]} has {share}, and they {PARTIAL}: seasons count unequally"]
+
+
+def calm_note(what: str, calm: int, of: int) -> list[str]:
+    """Return a note on records without waves, what they are, if there are any."""
+    if not calm:
+        return []
+    words = f"{calm} {what} left out: calm or faulty, the file cannot tell"
+    return [f"{words}; {OVERSTATED}" if calm > FAULTY * of else words]
+
+
+def of_records(
+    omega: FloatArray, density: FloatArray, source: str, notes: Sequence[str] = (), times: Sequence[datetime] = ()
+) -> Climate:
     """Return the climate of measured records of equal shares; unusable ones are left out and counted.
 
     Raises `ConfigError` if no record is left, or more than `FAULTY` are physically impossible.
@@ -185,6 +216,8 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         NaN for missing values; bands at the ends without any value are left out.
     source : str
         File name.
+    times : sequence of datetime, optional
+        Of the records: what is left of them must be of all seasons alike.
     """
     (measured,) = np.nonzero(~np.isnan(density).all(axis=0))
     first, last = (measured[0], measured[-1] + 1) if len(measured) > 1 else (0, len(omega))
@@ -202,10 +235,8 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     if not kept.any():
         raise ConfigError(f"{source}: received {len(density)} records, none with a spectrum; needs at least one")
     found = [*notes, f"{len(density)} records, {int(missing.sum())} with missing values left out"]
-    if flat.any():
-        found.append(
-            f"{int(flat.sum())} records of one value throughout left out: calm or faulty, the file cannot tell"
-        )
+    found += calm_note("records of one value throughout", int(flat.sum()), len(density))
+    found += seasons([time for time, usable in zip(times, kept, strict=True) if usable]) if times else []
     spectra = density[kept]
     if (low := float(spectra.min())) < 0:
         raise ConfigError(f"{source}: received a spectral density of {low:.4g} m^2 s, needs 0 or more")
@@ -234,7 +265,7 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
 
 def is_doubt(note: str) -> bool:
     """Return whether a note on a climate puts its year in doubt."""
-    return any(words in note for words in (PARTIAL, CUT, FEW, UNSTATED))
+    return any(words in note for words in (PARTIAL, CUT, FEW, UNSTATED, OVERSTATED))
 
 
 def climate_line(note: str) -> str:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vsb.engine.waves.climate import PARTIAL, Climate, band_edges, is_series, of_records
+from vsb.engine.waves.climate import Climate, band_edges, is_series, of_records
 from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
@@ -97,13 +97,14 @@ def read_spectra(path: str | Path) -> Climate:
         _check_all_around(path, spectra.dir.values)
         spectra = spectra.mean("dir", skipna=False) * 2 * np.pi
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
-    kept, dates = calendar(dates_of(path, stored.time.values))
+    times = dates_of(path, stored.time.values)
+    kept, dates = calendar(times)
     notes = [*dates, *notes]
     if FLAGS in stored:
         unusable = ~np.isin(stored[FLAGS].values, USABLE)
         density[unusable] = np.nan
         notes += [f"{int(unusable.sum())} records not used for their {FLAGS}"] if unusable.any() else []
-    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes, [times[i] for i in kept])
 
 
 def _stored(path: str | Path) -> "xr.Dataset | None":
@@ -412,7 +413,7 @@ def read_ndbc(path: str | Path) -> Climate:
     density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
     _check_densities(path, 2 * np.pi * density)
     kept, notes = calendar(times)
-    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes, [times[i] for i in kept])
 
 
 def _check_densities(path: str | Path, values: FloatArray) -> None:
@@ -502,8 +503,4 @@ def calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
         notes.append(f"one record per {usual / 3600:g} h, {lacking} of them not in the file")
         if (uneven := sum(step < usual for step in steps)) > 0:
             notes.append(f"{uneven} records closer than that count as much as the others")
-        days, months = (order[-1] - order[0]).total_seconds() / 86400, {time.month for time in order}
-        if days < 360 or len(months) < 12:
-            covered = f"{days:.0f} days" if days < 360 else f"{len(months)} months"
-            notes.append(f"{covered} {PARTIAL}: seasons are missing")
     return sorted(first.values()), notes

@@ -21,8 +21,10 @@ from vsb.engine.waves.climate import (
     Climate,
     band_edges,
     bare_name,
+    calm_note,
     is_series,
     kind_of,
+    seasons,
 )
 from vsb.engine.waves.kinds import jonswap_spectrum
 from vsb.engine.waves.measured_spectra import DATE, ERA5, NAMES, NETCDF, calendar, dates_of, first_bytes, load_netcdf
@@ -463,7 +465,7 @@ def read_series(path: str | Path) -> Table | None:
             return None
     if times:
         kept, remarks = calendar(times)
-        hs, period, notes = hs[kept], period[kept], [*remarks, *notes]
+        hs, period, notes, times = hs[kept], period[kept], [*remarks, *notes], [times[i] for i in kept]
     else:
         notes.append("no dates in the file: gaps and seasons are not known")
     there = np.isfinite(hs) & np.isfinite(period) & (hs > TINY) & (period > TINY) & ~np.isin(hs, MISSING)
@@ -477,7 +479,10 @@ def read_series(path: str | Path) -> Table | None:
             f"{path}: received Hs {hs[at]:.4g} m with {kind.capitalize()} {period[at]:.4g} s in record {at + 1}, needs "
             f"at most {HIGHEST_SEA:g} m and {LONGEST_PERIOD:g} s, missing values as 99, 999 or empty cells"
         )
-    notes.append(f"{len(hs)} records, {int((~there).sum())} with missing values or no waves left out")
+    calm = np.abs(hs) <= TINY
+    notes.append(f"{len(hs)} records, {int((~there & ~calm).sum())} with missing values left out")
+    notes += calm_note("records of height 0", int(calm.sum()), len(hs))
+    notes += seasons([time for time, usable in zip(times, there, strict=True) if usable]) if times else []
     if there.mean() < 0.5:
         notes.append(f"{int(there.sum())} of {len(hs)}: {FEW}")
     hs, period = hs[there], period[there]
