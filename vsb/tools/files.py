@@ -279,9 +279,14 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         finally:
             Path(name).unlink(missing_ok=True)
     except OSError as error:
-        raise DatabaseError(
-            f"{path}: cannot be written ({error.strerror or error}); needs space in a folder you may write to"
-        ) from None
+        raise unwritable(path, error) from None
+
+
+def unwritable(path: str | Path, error: OSError) -> DatabaseError:
+    """Return what to say of a file or folder that cannot be written: no permission, no space left, no such place."""
+    return DatabaseError(
+        f"{path}: cannot be written ({error.strerror or error}); needs space in a folder you may write to"
+    )
 
 
 def write_text(path: str | Path, text: str) -> None:

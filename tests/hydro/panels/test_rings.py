@@ -1,4 +1,5 @@
 import io
+import resource
 import shutil
 from pathlib import Path
 
@@ -107,6 +108,23 @@ def test_table_of_the_green_function_is_computed_once_for_all_folders_of_a_machi
     bem.stored_green_function(tmp_path / "results" / "green")
     assert len(computed) == damaged
     assert [file.name for file in (tmp_path / "results" / "green").glob("*.npz")] == [table.name]
+
+
+def test_table_that_finds_no_space_is_one_line(green_folder, tmp_path, monkeypatch):
+    """As on a full disk: files may not be longer than 64 kB."""
+    monkeypatch.setenv("CAPYTAINE_CACHE_DIR", str(tmp_path / "kept"))
+    (table,) = green_folder.glob("*.npz")
+    with np.load(table) as held:  # computing it takes 16 s
+        known = {f"tabulated_{'integrals' if name == 'values' else name}": held[name] for name in held}
+    monkeypatch.setattr(bem.cpt.Delhommeau, "_create_tabulation", lambda own, *size: vars(own).update(known))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2**16, hard))
+    try:
+        with pytest.raises(DatabaseError, match=r"results/green: cannot be written \(.*\); needs space in a folder"):
+            bem.stored_green_function(tmp_path / "results" / "green")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not list((tmp_path / "results").iterdir())
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ import numpy as np
 from vsb.engine.hydro.panels import panel_solver
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from vsb.tools.files import CHANGED, atomic_write
+from vsb.tools.files import CHANGED, atomic_write, unwritable
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
 
 try:
@@ -66,21 +66,29 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
     """Return `green_function`, its table copied from where capytaine keeps its own on this machine, or computed once.
 
     It is made in a temporary folder that is renamed, safe for concurrent runs. A process reads it once, as long as the
-    folder holds the same files.
+    folder holds the same files. Raises `DatabaseError` if it cannot be written.
     """
     place = Path(folder).absolute()
     if not place.is_dir():
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as name:
-            partial = Path(name)
-            _by_kept_tables(green_function, partial, _kept_tables())
-            partial.chmod(0o755)
-            try:
-                partial.replace(place)
-            except OSError:
-                if not place.is_dir():  # otherwise a concurrent run has finished first
-                    raise
+        try:
+            _make(place)
+        except OSError as error:
+            raise unwritable(place, error) from None
     return _read_once(place, tuple((file, os.stat(file).st_mtime_ns) for file in sorted(place.iterdir())))
+
+
+def _make(place: Path) -> None:
+    """Make the folder of the table, whole or not at all."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as name:
+        partial = Path(name)
+        _by_kept_tables(green_function, partial, _kept_tables())
+        partial.chmod(0o755)
+        try:
+            partial.replace(place)
+        except OSError:
+            if not place.is_dir():  # otherwise a concurrent run has finished first
+                raise
 
 
 @lru_cache(maxsize=1)
