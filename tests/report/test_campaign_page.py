@@ -27,6 +27,7 @@ from vsb.report.campaign_page import (
     warnings,
 )
 from vsb.report.canvas import style, svg_text
+from vsb.results.campaign import TABLE_OF_SEAS
 
 DESIGNS, TUNINGS, BINS = ["FSB", "VSWEC"], ["fixed", "one", "each"], ("hs", "te")
 GAINS = np.array([[-5.0, 2.0], [8.0, -1.0]])  # of the flexible design, (modulus, thickness) [%]
@@ -181,7 +182,9 @@ def test_further_statements():
         "25 % of the energy comes from the seas crossed in the matrices: 10 % too steep, 0 % with breaking waves, "
         "40 % with shells deformed by more than a tenth of their radius."
     )
-    assert practice.endswith("would change the annual energy by +12.0 to +12.0 %.")
+    assert practice.endswith("would change the annual energy by +12.0 %.")
+    of_table = campaign(margin=[[0.5, -0.5], [0.5, -0.5]], seas=TABLE_OF_SEAS)  # in other bins than those of the table
+    assert statements(of_table, "FSB", "one") == [each, points, beyond]
 
 
 def test_warnings_of_a_campaign():

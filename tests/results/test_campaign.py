@@ -8,8 +8,8 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.results.campaign import as_csv, damper, gathered, stacked, with_verification
-from vsb.study.campaign import CONSTRAINED
+from vsb.results.campaign import TABLE_OF_SEAS, as_csv, damper, gathered, stacked, with_verification
+from vsb.study.campaign import CONSTRAINED, Scatter
 from vsb.study.vary import MEMBER
 
 
@@ -28,6 +28,9 @@ def test_order_of_batches_does_not_matter(held):
     assert one.young_modulus.values.tolist() == [3e6, 1e6]
     assert one.young_modulus.attrs == {"units": "Pa", "long_name": "device.young_modulus"}
     assert one.attrs["reference"] == "FSB"
+    of_table = plan.campaign.spec["spec"].model_copy(update={"climate": Scatter(scatter="site.csv")})
+    assert "seas" not in one.attrs
+    assert gathered(of_table, parts).attrs["seas"] == TABLE_OF_SEAS
 
 
 def test_reference_of_a_campaign_is_the_first_rigid_design_by_name(held):

@@ -35,7 +35,7 @@ from vsb.report.campaign_answer import (
 from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, number_cells, style
 from vsb.report.interactive import as_script, in_motion
 from vsb.report.page import captioned, page
-from vsb.results.campaign import damper
+from vsb.results.campaign import TABLE_OF_SEAS, damper
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.variables import kind_of
@@ -167,10 +167,11 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
         else f"Less than 0.5 % of the energy comes from {too_steep_or_breaking(ds)}."
     )
     over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
-    if bool((abs(over) > 1e-6).any()):  # of a table of JONSWAP seas it is the year itself
+    if ds.attrs.get("seas") != TABLE_OF_SEAS and bool((abs(over) > 1e-6).any()):
+        low, high = (f"{float(end):+z.1f}" for end in (over.min(), over.max()))
         found.append(
             f"Usual practice, JONSWAP seas at the centres of the bins, would change the annual energy by "
-            f"{float(over.min()):+z.1f} to {float(over.max()):+z.1f} %."
+            f"{low if low == high else f'{low} to {high}'} %."
         )
     return found
 

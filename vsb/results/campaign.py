@@ -33,7 +33,16 @@ from vsb.results.year import (
     within_errors,
     year,
 )
-from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Tunings, leading_tuning
+from vsb.study.campaign import (
+    AT_FORCE,
+    CONSTRAINED,
+    GAIN_IN_TIME,
+    IN_TIME,
+    POWER_IN_TIME,
+    Scatter,
+    Tunings,
+    leading_tuning,
+)
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.study.vary import MEMBER, PORT, unit
@@ -48,6 +57,8 @@ TABLE = (
 )  # fmt: skip
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
 EFFICIENCY = "pto.efficiency"
+TABLE_OF_SEAS = "cells of a table"
+"""Attribute `seas` of years that usual practice computes like this one, at the centres of the table's own bins."""
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
 VARIABLES = (
@@ -112,6 +123,8 @@ def _attrs(spec: CampaignSpec) -> dict[str, str]:
     efficiency = spec.base["pto"].get("efficiency", 1.0)
     words = "as varied" if EFFICIENCY in spec.vary.keys else f"of {efficiency:g}" if efficiency < 1 else ""
     after = {"efficiency": words} if words else {}
+    if isinstance(spec.climate, Scatter):
+        after["seas"] = TABLE_OF_SEAS
     kind = _port_kind(spec).load
     return {**names, "reference": reference or "", "Conventions": "CF-1.8", "port_kind": kind, **after}
 
