@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 import yaml
 from conftest import SEED
@@ -97,6 +98,12 @@ def test_profile_in_a_file(tmp_path):
     assert found.device.meridian.volume == pytest.approx(4 / 3 * math.pi * 4 * 1.5, rel=1e-4)
     assert planned(raw({"profile": "hull.csv"}), str(tmp_path / "study.yaml")).study == found
     assert parse(raw({"profile": points})) == found
+    (tmp_path / "hull.csv").write_text("x [mm];z [m]\n" + "".join(f"{1e3 * x!r};{z!r}\n" for x, z in points))
+    found = parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
+    assert np.array(found.device.shape.profile) == pytest.approx(np.array(points), rel=1e-14)
+    (tmp_path / "hull.csv").write_text("x,z\n0,1\n1,0,2\n0,-1\n")
+    with pytest.raises(ConfigError, match=r"hull.csv:3: received '1 0 2', needs 2 cells"):
+        parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 import copy
-import csv
 import math
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +16,9 @@ from vsb.engine.shell.meridian import ClosedMeridian, capsule, series, spheroid,
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Finite, NonNegative, Number, Positive, Section, within
-from vsb.tools.files import LARGEST_STUDY, read_bounded
+from vsb.tools.columns import read_columns
+from vsb.tools.units import METRE, number, scale
+from vsb.tools.words import shortened
 
 Basis = Literal["paper", "membrane", "full"]
 
@@ -117,24 +118,21 @@ def with_points(raw: Any, source: str) -> Any:
 
 
 def _points(path: Path, where: str) -> list[list[float]]:
-    """Rows x, z of a file, a line of words before them left out."""
-    try:
-        lines = read_bounded(path, LARGEST_STUDY).decode("utf-8-sig").splitlines()
-        rows = [row for row in csv.reader(lines) if any(map(str.strip, row))]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else "no text"
-        raise ConfigError(f"{where}: received {path.name}, which cannot be read ({reason}); needs a CSV file") from None
+    """Rows x, z of a file in one unit, lines of names before them left out."""
+    needed = "two numbers x, z"
+    table = read_columns(path, where, needed)
+    known = next(filter(None, table.units), "m")
+    factors = [scale(stated or known, METRE) or 0.0 for stated in table.units]
+    if not all(factors):
+        raise ConfigError(f"{path}: received {table.label(factors.index(0.0))}, needs lengths")
     points = []
-    for i, row in enumerate(rows):
-        try:
-            x, z = map(float, row)
-        except ValueError:
-            if i == 0:
-                continue  # names of the columns
-            raise ConfigError(
-                f"{where}: received {','.join(row)[:40]!r} in {path.name}, needs two numbers x,z"
-            ) from None
-        points.append([x, z])
+    for n, cells in table.rows:
+        values = [number(cell) for cell in cells]
+        if len(values) != 2 or None in values:
+            raise ConfigError(f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs {needed}")
+        points.append(
+            [factor * value for factor, value in zip(factors, values, strict=True) if factor and value is not None]
+        )
     return points
 
 
