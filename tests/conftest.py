@@ -218,6 +218,14 @@ SMALL["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
 SMALL_PLAN = StudyPlan(config.parse(SMALL))
 
 
+@contextmanager
+def one_figure():
+    """Studies draw one figure alone, for tests of what else is on their pages."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vsb.study.figure_names.of_study", lambda _: ["absorbed_power"])
+        yield
+
+
 def tables_of(plan):
     """Results of a study whose tables alone are made: no figures and no page."""
     make(plan, [f"{plan.folder}/comparison.csv", *(f"{plan.folder}/{name}" for name in ("ladder.csv", "ladder.json"))])

@@ -111,7 +111,7 @@ def year_of_seas(random):
 
 def test_intervals_of_a_year_as_a_sample_hold_the_gain_of_all_years():
     random, hours = np.random.default_rng(3), np.full(HOURS, 1 / HOURS)
-    seas = [year_of_seas(random) for _ in range(400)]
+    seas = [year_of_seas(random) for _ in range(200)]
     truth = gain(*np.mean([[flexible.mean(), rigid.mean()] for flexible, rigid in seas], axis=0))
     ends = np.array([np.quantile(gain(*(drawn_years(power, hours) for power in one)), [0.025, 0.975]) for one in seas])
     assert 0.93 <= ((ends[:, 0] <= truth) & (truth <= ends[:, 1])).mean() <= 0.97

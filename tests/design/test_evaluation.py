@@ -99,8 +99,7 @@ def differences(model, direction, part):
         ("FSB", {"pto": {"stiffness": -5e3}}, "device.mass pto.stiffness"),
         ("VSWEC", {"reference_shape": "undeformed"}, "device.mass"),
         ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5}}, "pto.damping"),
-        ("FSB", {"pto": {"stiffness": -3e4, "efficiency": 0.8}}, "pto.stiffness"),
-        ("VSWEC", {"pto": {"stiffness": 2e4, "efficiency": 0.9}}, "device.internal_pressure"),
+        ("VSWEC", {"pto": {"stiffness": -3e4, "efficiency": 0.8}}, "device.internal_pressure pto.stiffness"),
         ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5, "efficiency": 0.8}}, "pto.damping"),
         ("VSWEC", PORT | {"pto": {"port": "volume"}}, "device.radius"),
         ("VSWEC90", PORT | {"pto": {"port": {"between": [0, 180]}}}, "device.internal_pressure"),
@@ -121,12 +120,10 @@ def differences(model, direction, part):
         ("VSWEC90", PORT | {"pto": SEVERAL["spread"] | {"damping": 0.05}}, "pto.damping"),
         ("VSWEC", PORT | {"pto": {"port": {"strain": "area", "belt": [60, 120]}}}, "pto.port.belt.0"),
         ("VSWEC90", SPHEROID | {"pto": {"port": {"strain": "meridional", "belt": [30, 120]}}}, "pto.port.belt.1"),
-        ("VSWEC", CAPSULE | {"pto": {"port": BELT}}, "pto.port.belt.1 device.young_modulus"),
-        ("VSWEC", INFLATED | {"pto": {"port": BELT}}, "device.internal_pressure"),
+        ("VSWEC", INFLATED | {"pto": {"port": BELT}}, "pto.port.belt.1 device.young_modulus device.internal_pressure"),
         ("VSWEC", SPHEROID | {"pto": {"port": {"between": [40, 150]}}}, "pto.port.between.0"),
         ("VSWEC", PORT | {"pto": {"ports": {"b": BELT, "v": "volume"}}}, "pto.port.ports.b.belt.0 device.internal_pressure"),
-        ("VSWEC90", SERIES, "device.shape.series.radial.2 device.shape.series.axial.1"),
-        ("VSWEC", SERIES, "device.radius"),
+        ("VSWEC90", SERIES, "device.radius device.shape.series.radial.2 device.shape.series.axial.1"),
         ("VSWEC", PORT | {"device": {"gas": {}}, "pto": {"port": "volume"}}, "device.internal_pressure"),
         ("VSWEC", OPENED, "device.shape.spheroid.height"),
         ("VSWEC", RUBBER, "device.material.jm device.material.mu"),
@@ -413,6 +410,6 @@ def test_numerical_errors_are_small(climate):
 
 
 def test_nodes_resolve_the_shortest_shell_modes(climate):
-    """The first step to more nodes changes little, but not by round-off: a wavelength of degree 90 has few of them."""
-    model = DesignModel.of(study_of(modes={"basis": "full", "degree": 90}), "VSWEC", climate, [])
-    assert model.nodes > 90
+    """The first step to more nodes changes little, but not by round-off: a wavelength of degree 68 has few of them."""
+    model = DesignModel.of(study_of(modes={"basis": "full", "degree": 68}), "VSWEC", climate, [])
+    assert model.nodes > 68

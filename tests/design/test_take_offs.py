@@ -98,7 +98,7 @@ def years(model):
 def test_derivatives_at_several_ports_are_those_of_differences(climate, design, force, keys, control):
     """Signals outlast the frequencies of these few waves: derivatives are those of the very numbers."""
     pto = {"ports": FORCES, "matrix": "diagonal", "control": control}
-    model = model_of(climate, RmsLimits(force), keys.split(), design, finer=1.0, pto=pto)
+    model = model_of(climate, RmsLimits(force), keys.split(), design, pto=pto)
     found, year, x = model.at(model.point).quantities, years(model), np.array(model.point)
     own = year(x)
     names = {"annual_mean_power": "power", "force_rms": "force_rms"}

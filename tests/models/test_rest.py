@@ -85,7 +85,7 @@ def test_at_the_equilibrium_forces_vanish_and_the_stiffness_is_the_tangent(press
     check_stable(pressurised, reference)
 
 
-@pytest.mark.parametrize("degree", [4, 30, 60])
+@pytest.mark.parametrize("degree", [4, 60])
 def test_the_equilibrium_in_any_basis_is_that_to_which_the_load_leads(pressurised, degree):
     """In fewer modes than the basis that resolves buckling has, and in more."""
     study = varied(pressurised, device={"thickness": 0.05, "young_modulus": 4e7}, modes={"degree": degree})
@@ -361,13 +361,14 @@ def test_water_beside_a_port_makes_fewer_modes_enough(seed, port):
     assert wet.max() < dry.max() / 10
 
 
-@pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 4.0}}}])
-@pytest.mark.parametrize("port", ["volume", {"colatitude": 60.0}])
+@pytest.mark.parametrize(
+    ("shape", "port"), [({}, {"colatitude": 60.0}), ({"shape": {"spheroid": {"height": 4.0}}}, "volume")]
+)
 def test_water_beside_the_waterline_makes_few_modes_enough(seed, shape, port):
     """Degree 9 against 60 without it, of a soft wall of r/h 100, free or clamped below water; dry it is far off."""
     soft = {"thickness": 0.02, "young_modulus": 5.0e6, "density": 1100.0} | shape
     study = varied(
-        seed, device=soft, designs={"FREE": {}, "CLAMPED": {"clamp": 120}}, waves=regular(2.5, 4.0),
+        seed, device=soft, designs={"FREE": {}, "CLAMPED": {"clamp": 120}}, waves=regular(2.5),
         pto={"port": port, "damping": None, "tuning": "each"}, modes={"basis": "full", "degree": 9},
     )  # fmt: skip
     every = searched(study).powers(Modes(basis="full", degree=60))[:, :, 1]

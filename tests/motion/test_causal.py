@@ -90,8 +90,7 @@ def test_rational_model_agrees_with_the_riccati_equation(price, share):
     assert found.force == pytest.approx(force, rel=2e-4)
 
 
-@pytest.mark.parametrize("tp", [3.0, 6.0])
-@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize(("tp", "share"), [(3.0, 0.1), (6.0, 0.5), (3.0, 1.0)])
 def test_power_grows_with_knowledge_at_equal_force(tp, share):
     port = buoy(tp)
     limit = share * float(np.sqrt(optimum(port, RmsLimits(), 0.0, np.inf).force)) / 3
@@ -148,11 +147,10 @@ def test_limits_of_rms_force_and_stroke_hold():
         optimum(port, RmsLimits(1.0, 0.3 * free.stroke_rms))
 
 
-@pytest.mark.parametrize("efficiency", [0.9, 0.6])
-def test_losses_in_conversion_are_part_of_the_optimum(efficiency):
+def test_losses_in_conversion_are_part_of_the_optimum():
     """No weights of force and velocity give more electrical power within the limit, and no damper."""
     port, scale = buoy(), 1 / MASS
-    limit = 2e3
+    limit, efficiency = 2e3, 0.6
     found = optimum(port, RmsLimits(limit), efficiency=efficiency)
 
     def loss(x):
@@ -269,7 +267,7 @@ def vibrating(seed, count, spacing):
     return StationaryPorts(spacing, admittance, spectrum), Ports(omega, admittance, free), 2 * density * spacing
 
 
-@pytest.mark.parametrize(("seed", "count", "share"), [(0, 3, 0.1), (6, 2, 0.1), (8, 3, 1.0), (2, 3, 1.0)])
+@pytest.mark.parametrize(("seed", "count", "share"), [(6, 2, 0.1), (2, 3, 1.0)])
 def test_power_of_ports_grows_with_knowledge_on_coarse_grids_too(seed, count, share):
     """What products of long signals leave at negative times is faded out: it would take more than a tenth of them."""
     ports, seen, squares = vibrating(seed, count, 0.06)
@@ -306,9 +304,9 @@ def test_the_controller_absorbs_the_power_of_the_optimum(forecast):
     assert 0 <= beyond < 5e-3 * found.force
 
 
-@pytest.mark.parametrize(("price", "share"), [(2e-5, 1e-3), (2e-4, 1e-1)])
-def test_rational_ports_agree_with_the_riccati_equation(price, share):
+def test_rational_ports_agree_with_the_riccati_equation():
     """Two coupled masses in two seas; the grid errs with the square of its time step, which extrapolation takes away."""
+    price, share = 2e-4, 1e-1
     mass, resistance = np.array([[3e4, 4e3], [4e3, 1e4]]), np.array([[4e3, 1e3], [1e3, 3e3]])
     stiffness = np.array([[8e4, 1e4], [1e4, 9e4]])
     a_w = block_diag(

@@ -136,10 +136,10 @@ def test_too_short_a_record_gives_an_interval_that_holds_the_record_and_linear_t
 
 
 def test_interval_of_a_record_is_the_scatter_of_records(seed):
-    """Standard deviation of the means of 300 records of one linear design, with fixed and with random amplitudes."""
+    """Standard deviation of the means of 200 records of one linear design, with fixed and with random amplitudes."""
     for amplitudes in ("fixed", "random"):
         means, random = [], amplitudes == "random"
-        for number in range(1, 301):
+        for number in range(1, 201):
             waves = {"kind": "white_noise", "hs": 1.0, "band": [1.0, 2.5], "amplitudes": amplitudes, "seed": number}
             study = varied(
                 seed,

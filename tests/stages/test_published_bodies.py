@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from browser import evaluated
-from conftest import tables_of
+from conftest import one_figure, tables_of
 
 import vsb
 from vsb.api.results import Results
@@ -55,7 +55,8 @@ def wamit(**more):
 def rm3(tmp_path_factory):
     """Results of the study of WAMIT's files."""
     folder = tmp_path_factory.mktemp("rm3")
-    return vsb.run(load_body(study(folder, wamit())), folder / "results")
+    with one_figure():
+        return vsb.run(load_body(study(folder, wamit())), folder / "results")
 
 
 @pytest.fixture(scope="module")
@@ -133,6 +134,7 @@ def test_quadratic_drag_of_the_float(theirs, tmp_path):
     expected = power(solved(theirs, drag=drag))
     assert expected != pytest.approx(power(solved(theirs)), rel=0.03)  # else the drag would not have been tested
     changes = {"designs": {"rm3": {"dofs": HEAVES}}, "drag": {HEAVES[0]: plate}}
+    changes["simulation"] = {"duration": 56.0, "window": [40.0, 56.0]}
     located = load_body(study(tmp_path, wamit(), **changes))
     found = tables_of(BodyPlan(located.study, root=str(tmp_path / "results"), files=located.files))
     assert level(found, "rm3", "fixed") == pytest.approx(expected, rel=2e-3)

@@ -86,12 +86,19 @@ def test_a_task_that_is_killed_is_reported():
         run_side_by_side(some("a", "b"), lambda _: os.kill(os.getpid(), signal.SIGKILL), 2, lambda *_: None)
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
-def test_no_process_outlives_the_run(tmp_path, how):
-    """A killed run and an interrupted one leave nothing at work behind."""
+def test_an_interrupt_ends_all():
+    def begun(place, _):
+        if place == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_side_by_side(some("a", "b"), lambda _: time.sleep(60.0), 2, begun)
+    assert not psutil.Process().children()
+
+
+def test_no_process_outlives_a_run_that_is_killed(tmp_path):
     program = f"""
-import os, pathlib, signal, time
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what runs behind a shell
+import os, pathlib, time
 from vsb.pipeline.graph import Task
 from vsb.stages.stage import run_side_by_side
 def work(task):
@@ -99,13 +106,13 @@ def work(task):
     time.sleep(600.0)
 run_side_by_side([Task("modes", None, {{}}, (name,)) for name in "ab"], work, 2, lambda *_: None)
 """
-    run = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.DEVNULL, start_new_session=True)
+    run = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.DEVNULL)
     files = [tmp_path / name for name in "ab"]
     while not all(path.exists() and path.read_text() for path in files):
         assert run.poll() is None
         time.sleep(0.05)
     workers = [int(path.read_text()) for path in files]
-    os.killpg(run.pid, how) if how == signal.SIGINT else run.send_signal(how)
+    run.kill()
     run.wait(30.0)
     _, alive = psutil.wait_procs([psutil.Process(pid) for pid in workers if psutil.pid_exists(pid)], timeout=30.0)
     assert not alive

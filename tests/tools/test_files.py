@@ -23,7 +23,6 @@ import vsb.engine.motion.variables  # noqa: F401  (registers rao)
 from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.tools.files import (
-    LARGEST,
     ROOT,
     bounded_memory,
     bounded_time,
@@ -236,12 +235,13 @@ def test_a_pipe_or_a_device_in_the_place_of_a_file_is_refused_and_not_waited_for
         assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_a_file_holds_no_more_than_it_may_packed_or_not(tmp_path):
+def test_a_file_holds_no_more_than_it_may_packed_or_not(tmp_path, monkeypatch):
     path = tmp_path / "a"
     path.write_bytes(b"x" * 5)
     assert read_bounded(path, 5) == b"x" * 5
     with pytest.raises(OSError, match="it holds more than"):
         read_bounded(path, 4)
-    path.write_bytes(gzip.compress(b"0" * (LARGEST + 1), 1))
-    with pytest.raises(OSError, match="it holds more than 256 MiB"):
+    monkeypatch.setattr("vsb.tools.files.LARGEST", 2**20)
+    path.write_bytes(gzip.compress(b"0" * (2**20 + 1), 1))
+    with pytest.raises(OSError, match="it holds more than 1 MiB"):
         read_unpacked(path)

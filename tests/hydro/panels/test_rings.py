@@ -68,7 +68,7 @@ def tampered(content):
         arrays = dict(table)
     arrays["values"] = 1.001 * arrays["values"]
     changed = io.BytesIO()
-    np.savez_compressed(changed, **arrays)
+    np.savez(changed, **arrays)
     return changed.getvalue()
 
 
@@ -338,9 +338,8 @@ def test_the_estimate_at_infinite_frequency_bounds_the_error(green, depth):
     assert errors[0] > errors[1]
 
 
-@pytest.mark.parametrize("scene", ["low", "short waves"])
-def test_in_deep_water_few_frequencies_are_solved(green, scene):
-    *shape, frequencies = SCENES[scene]
+def test_in_deep_water_few_frequencies_are_solved(green):
+    *shape, frequencies = SCENES["short waves"]
     two = meshes(green, 20, *shape)
     found = two.solve(frequencies, 5e-4)
     assert found.attrs["frequencies"] == len(frequencies) == found.sizes["omega"]
