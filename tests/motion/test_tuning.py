@@ -9,6 +9,7 @@ from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 from motion.test_port import solved
+from scipy.optimize import minimize_scalar
 
 from vsb.engine.hydro.database import Coefficients
 from vsb.engine.motion import tuning
@@ -270,6 +271,25 @@ def test_matrix_reaches_the_matched_power_where_the_reactance_is_indefinite(coun
         assert full < 0.99 * matched
     else:
         assert full == pytest.approx(matched, rel=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_one_damper_for_all_ports_is_the_best_of_any_size_over_several_frequencies(seed):
+    rng = np.random.default_rng(seed)
+    count, omega = int(rng.integers(2, 7)), np.sort(rng.uniform(0.3, 3.0, 8))
+    mass, spring = (one @ one.T for one in rng.normal(size=(2, count, count)))
+    loss, forced = rng.normal(size=(count, 2)) * 10 ** rng.uniform(-2, 0.5), rng.normal(size=(len(omega), count))
+    w = omega[:, None, None]
+    admittance = np.linalg.inv(1j * w * mass + 10 ** rng.uniform(-1, 2) * spring / (1j * w) + loss @ loss.T)
+    ports, weights = Ports(omega, admittance, np.einsum("wij,wj->wi", admittance, forced)), rng.uniform(size=len(omega))
+
+    def power(logarithm):
+        return float(weights @ ports.power(np.exp(logarithm) * np.eye(count)))
+
+    tried = np.linspace(-15.0, 15.0, 1501)
+    best = tried[np.argmax(list(map(power, tried)))]
+    found = minimize_scalar(lambda one: -power(one), bounds=(best - 0.05, best + 0.05), method="bounded")
+    assert best_matrix(ports, weights, "uniform").power == pytest.approx(-found.fun, rel=1e-8)
 
 
 def test_matrices_that_nearly_lock_the_ports_keep_a_power_that_can_be_computed(monkeypatch):

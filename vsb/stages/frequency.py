@@ -198,9 +198,9 @@ def at_several_ports(study: Study, floating: FloatingSystem, omega: FloatArray) 
     seen, kind = floating.several_ports(omega), matrix_kind(pto)
     rao, power, best = [], [], []
     for design, ports in seen.items():
-        alone = [ports.at(np.array([i])) for i in range(len(omega))]
-        matrices = np.array([best_matrix(one, np.ones(1), kind).damping for one in alone])
-        best.append([float(one.power(matrix)[0]) for one, matrix in zip(alone, matrices, strict=True)])
+        chosen = [best_matrix(ports, alone, kind) for alone in np.eye(len(omega))]
+        matrices = np.array([one.damping for one in chosen])
+        best.append([one.power for one in chosen])
         given = given_matrix(pto, design, floating.port.shape[1])
         used = matrices if given is None else np.broadcast_to(given, matrices.shape)
         lossy = floating.port @ used @ floating.port.T

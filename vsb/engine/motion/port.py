@@ -35,6 +35,9 @@ _ROUND_OFF = 1e-6
 """Error of Re Y relative to |Y| where a port hardly radiates."""
 RADIATES_NOTHING = 1e-9
 """Share of the largest loss of several ports at a frequency below which a combination of them radiates nothing [-]."""
+EQUAL_STEP, APART, FALLEN = 0.25, 6, 0.01
+"""Step of the logarithm of a damper that is the same at several ports, steps beyond the optimum, and the part of the
+largest power to which power has fallen there: an optimum between steps is found to 1e-10 of its power."""
 
 
 @dataclass(frozen=True)
@@ -259,6 +262,24 @@ class Ports:
     def beside(self, stiffness: float) -> "Ports":
         """Return the same: several ports have no spring."""
         return self
+
+    @cached_property
+    def equal_dampers(self) -> tuple[FloatArray, FloatArray]:
+        """Dampers c, the same at all ports, shape (damper,), and the mean power of each as of `power` (damper, omega).
+
+        Evenly in their logarithms, of which the power is analytic within pi/2 of the real axis: 1 + c Y is singular for
+        no c of a positive real part. From where c |Y x| < |x| for every x, so that power still grows with c, to where
+        at every frequency it has fallen to `FALLEN` of its largest.
+        """
+        modulus = np.sqrt((np.abs(self.admittance) ** 2).sum(axis=(1, 2)))
+        sizes, powers, identity = list[float](), list[FloatArray](), np.eye(self.velocity.shape[1])
+        size = float(np.exp(-APART * EQUAL_STEP) / modulus.max())
+        while len(powers) < 2 * APART or (powers[-APART] > FALLEN * np.max(powers, axis=0)).any():
+            sizes.append(size)
+            velocity = np.linalg.solve(identity + size * self.admittance, self.velocity[..., None])[..., 0]
+            powers.append(0.5 * size * (np.abs(velocity) ** 2).sum(axis=1))
+            size *= float(np.exp(EQUAL_STEP))
+        return np.array(sizes), np.array(powers)
 
     def power_and_slope(self, damping: FloatArray, squares: FloatArray, price: float = 0.0) -> tuple[float, FloatArray]:
         """Return the mean power in a sea [W] and its derivative by the entries of a symmetric damper matrix.

@@ -500,8 +500,6 @@ AT_ONCE = 500_000
 """Entries of admittances under damper matrices that are tried at a time: some 30 MB."""
 SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
-ALONG = np.arange(-8.0, 9.0)
-"""Logarithms of those dampers, where all ports have the same: power in them has no feature narrower than 1."""
 LOCKED = 1e4
 """Norm of a Cholesky factor, in the ports' own units, beyond which round-off exceeds the power that more of it adds."""
 FORCE_KEPT, NEAR_PRICE = 1e-6, 1e-2
@@ -532,9 +530,10 @@ def best_matrix(
     kind : {'full', 'diagonal', 'uniform'}
     newton_steps : int
         Most Newton steps after quasi-Newton's: of a matrix whose power is to be differentiated, for then slopes by the
-        ports are as exact as the matrix.
+        ports are as exact as the matrix. Of one damper for all ports none.
     price : float [m/(N s)]
-        Of the mean square of all forces, which is taken from the power that is maximised.
+        Of the mean square of all forces, which is taken from the power that is maximised. Of one damper for all ports
+        nothing is.
     near : ndarray, shape (port, port)
         Matrix whose nearest maximum is wanted; none: the largest of all.
 
@@ -542,23 +541,25 @@ def best_matrix(
     -----
     Over the Cholesky factor, or the logarithms of the dampers, of ports in terms of their own impedances: quasi-Newton
     with the exact slope from the best of `DRAWN` matrices. A full matrix also starts from the best diagonal one: it
-    absorbs no less. A port that cannot move has no damper. One damper for all ports has one variable: from every local
-    maximum along it.
+    absorbs no less. A port that cannot move has no damper. One damper for all ports is the best of a table
+    (`Ports.equal_dampers`), which all seas share.
     """
     used = (squares > 0) & (np.abs(ports.velocity).max(axis=1) > 0)
     count = ports.velocity.shape[1]
     if not used.any():
         return DamperMatrix(np.zeros((count, count)), 0.0)
+    if kind == "uniform":
+        dampers, powers = ports.equal_dampers
+        equal = float(best_of_table(dampers, (powers @ squares)[:, None]).damping[0]) * np.eye(count)
+        return DamperMatrix(equal, float(squares[used] @ ports.at(used).power(equal)))
     moving = ports.admittance.any(axis=(0, 2))
-    if kind != "uniform" and not moving.all():  # as in a rigid design, which a port of strain does not move with
+    if not moving.all():  # as in a rigid design, which a port of strain does not move with
         part = Ports(ports.omega, ports.admittance[:, moving][:, :, moving], ports.velocity[:, moving])
         chosen = None if near is None else near[np.ix_(moving, moving)]
         some, whole = best_matrix(part, squares, kind, newton_steps, price, chosen), np.zeros((count, count))
         whole[np.ix_(moving, moving)] = some.damping
         return DamperMatrix(whole, some.power)
     seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
-    if kind == "uniform":  # of ports that have one unit
-        unit = np.full(count, np.exp(np.log(unit).mean()))
     form = _FORMS[kind](count)
     limit = float(weights @ seen.matched_power) or 1.0
 
@@ -578,11 +579,7 @@ def best_matrix(
     )
     at_once = max(1, AT_ONCE // seen.admittance.size)
     powers = np.concatenate([powers_of(starts[i : i + at_once]) for i in range(0, len(starts), at_once)])
-    if kind == "uniform" and near is None:
-        beside = np.pad(powers, 1, constant_values=-np.inf)
-        followed = [starts[i] for i in np.flatnonzero((powers >= beside[:-2]) & (powers >= beside[2:]))]
-    else:
-        followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
+    followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
     if isinstance(form, _Full) and near is None:
         own = best_matrix(ports, squares, "diagonal", price=price).damping
         followed.append(form.of_diagonal(np.diag(own) / unit**2))
@@ -701,30 +698,24 @@ class _Full:
         return np.asarray((np.diag(root) + 1e-6 * np.tril(np.outer(root, root) ** 0.5, -1))[self.at])
 
 
-class _Logarithmic:
-    """C = S diag(e^(W x)) S: a damper of its own at each port, or one at all."""
+class _Diagonal:
+    """C = S diag(e^x) S: a damper of its own at each port."""
 
-    def __init__(self, weight: FloatArray) -> None:
-        self.weight = weight
+    def __init__(self, count: int) -> None:
+        self.count = count
 
     def matrix(self, x: FloatArray, unit: FloatArray) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """C and what takes its slope back to x."""
-        dampers = unit**2 * np.exp(np.clip(self.weight @ x, -40.0, 40.0))
-        return np.diag(dampers), lambda slope: self.weight.T @ (np.diag(slope) * dampers)
+        dampers = unit**2 * np.exp(np.clip(x, -40.0, 40.0))
+        return np.diag(dampers), lambda slope: np.diag(slope) * dampers
 
     def of_matrix(self, matrix: FloatArray) -> FloatArray:
         """The point of a matrix in the ports' units."""
-        logs = np.log(np.maximum(np.diag(matrix), np.exp(-40.0)))
-        return np.asarray(np.linalg.lstsq(self.weight, logs)[0])
+        return np.asarray(np.log(np.maximum(np.diag(matrix), np.exp(-40.0))))
 
     def starts(self, rng: np.random.Generator) -> list[FloatArray]:
-        """Dampers of all sizes; of one variable evenly."""
-        count = self.weight.shape[1]
-        return list(ALONG[:, None]) if count == 1 else list(SPREAD * rng.standard_normal((DRAWN, count)))
+        """Dampers of all sizes."""
+        return list(SPREAD * rng.standard_normal((DRAWN, self.count)))
 
 
-_FORMS: Mapping[Kind, Callable[[int], "_Full | _Logarithmic"]] = {
-    "full": _Full,
-    "diagonal": lambda count: _Logarithmic(np.eye(count)),
-    "uniform": lambda count: _Logarithmic(np.ones((count, 1))),
-}
+_FORMS: Mapping[str, type[_Full | _Diagonal]] = {"full": _Full, "diagonal": _Diagonal}
