@@ -1,5 +1,6 @@
 """Linear systems, shells and bodies: published power, limits, radiation channels, natural modes, refused input."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -7,12 +8,12 @@ import pytest
 import xarray as xr
 from conftest import labelled, varied
 
-from vsb.engine.hydro.database import Check, as_json
+from vsb.engine.hydro.database import Check, Coefficients, as_json
 from vsb.engine.hydro.radiation import RadiationModel
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import simulate
 from vsb.engine.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLVED, coefficient_errors
-from vsb.engine.motion.frequency import compliance, normal_modes, softest, unrestrained_motions
+from vsb.engine.motion.frequency import LinearEquation, compliance, normal_modes, softest, unrestrained_motions
 from vsb.engine.motion.linear import Channel, LinearSystem, linear_body, one_channel, with_added_mass_inf
 from vsb.engine.motion.port import LinearPto, combination
 from vsb.engine.motion.scene import linear_scene, together
@@ -42,6 +43,42 @@ def test_absorbed_power_matches_the_semi_analytic_estimate(buoy_of, published):
     rigid, free = (power(buoy_of, published, design, omega) for design in ("FSB", "VSWEC"))
     assert rigid == pytest.approx([17.2e3, 9.96e3], rel=5e-3)
     assert 100 * (free / rigid - 1) == pytest.approx([39.0, -37.0], abs=1.0)
+
+
+def test_motion_of_many_modes_takes_less_memory_than_their_stiffness_over_frequency(rng_matrices):
+    """At each frequency the solution is that of the whole equation there."""
+    equation = rng_matrices(frequencies=300, dof=240)
+    direction, motions = np.ones(240), np.eye(240)[:, 1:]
+    tracemalloc.start()
+    try:
+        free, forced = equation.free_motion(motions, direction)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 300 * 240**2 * 16
+    w, (added_mass, radiated, force) = equation.omega[299], (each[299] for each in equation.water)
+    dynamic = equation.stiffness - w**2 * (equation.mass + added_mass) - 1j * w * (radiated + equation.damping)
+    loads = np.column_stack([force, direction])[1:]
+    expected = motions @ np.linalg.solve(dynamic[1:, 1:], loads)
+    assert np.column_stack([free[299], forced[299]]) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.fixture
+def rng_matrices():
+    """Equations of motion with matrices at random."""
+
+    def made(frequencies, dof):
+        rng = np.random.default_rng(1)
+        shapes = rng.standard_normal((3, dof, dof)) / np.sqrt(dof)
+        mass, damping, stiffness = (each @ each.T + np.eye(dof) for each in shapes)
+        omega = np.linspace(0.5, 3.0, frequencies)
+        water = Coefficients(
+            np.broadcast_to(mass, (frequencies, dof, dof)), np.broadcast_to(damping, (frequencies, dof, dof)),
+            rng.standard_normal((frequencies, dof)).astype(complex),
+        )  # fmt: skip
+        return LinearEquation(omega, water, mass, damping, stiffness)
+
+    return made
 
 
 def test_stiff_shell_approaches_the_rigid_buoy(buoy_of, seed):

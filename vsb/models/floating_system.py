@@ -63,6 +63,7 @@ Heading = float | Directions
 
 
 SeenPort = TypeVar("SeenPort", Port, Ports)
+Kept = TypeVar("Kept")
 
 
 class InWaves(NamedTuple, Generic[SeenPort]):
@@ -381,6 +382,8 @@ KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
 BUOYS = 4
 """Buoys that are kept in the water of a shape: with the modes of a study, and with more of them."""
+AT_ONCE = 4_000_000
+"""Entries of a matrix of coefficients over frequency that are combined at once: 32 megabytes."""
 GRIDS = 3
 """Sets of frequencies whose coefficients are kept: of a climate, and two of the harmonics of an optimum."""
 OF_BUOY = {"device", "modes", "reference_shape", "designs", "water", "motion", "mooring"}
@@ -404,20 +407,40 @@ class ShapeWater:
     clamps: Sequence[float] | None = None  # see `FloatingSystem`
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
     _errors: dict[Any, list[CoefficientError]] = field(default_factory=dict, repr=False, compare=False)  # the last ones
-    _buoys: dict[str, AtFrequencies] = field(default_factory=dict, repr=False, compare=False)  # the last few
+    _buoys: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)  # the last few
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
         own = self._combined(shares(self.displacements, basis))
         return Coefficients.side_by_side([own, *(self._of_family(each) for each in families)])
 
-    def buoy_of(self, key: str, made: Callable[[], AtFrequencies]) -> AtFrequencies:
-        """Return the buoy in this water that a key stands for, made if it is none of the last few."""
+    def parts(self, motions: int) -> list[slice]:
+        """Return its frequencies in parts, for of many motions all at once take gigabytes.
+
+        Each spans the band: a port is judged by what it does in all of it.
+        """
+        count = max(1, math.ceil(len(self.omega) * motions**2 / AT_ONCE))
+        return [slice(first, None, count) for first in range(count)]
+
+    def at(self, part: slice) -> "ShapeWater":
+        """Return the same at some of its frequencies; itself at all of them."""
+        if part == slice(0, None, 1):
+            return self
+        added_mass, damping, excitation = self.coefficients
+        found = Coefficients(added_mass[part], damping[part], excitation[part])
+        orders = tuple(one.at(part) for one in self.orders)
+        return ShapeWater(
+            self.displacements, self.omega[part], found, orders, self.resolution, self.interpolation, self.clamps
+        )
+
+    def kept(self, key: str, made: Callable[[], Kept]) -> Kept:
+        """Return what a key stands for of a buoy in this water, made if it is none of the last few."""
         if key not in self._buoys:
             if len(self._buoys) == BUOYS:
                 del self._buoys[next(iter(self._buoys))]
             self._buoys[key] = made()
-        return self._buoys[key]
+        found: Kept = self._buoys[key]
+        return found
 
     def _of_family(self, family: OrderBasis) -> Coefficients:
         """Coefficients of one family of higher orders; of yaw, of order 0, which moves no water, none."""
@@ -465,7 +488,7 @@ class ShapeWater:
     def _transformed(self, transform: FloatArray) -> Coefficients:
         """Those of one combination, which radiate through one channel as a buoy's do."""
         added_mass, damping, excitation = self.coefficients
-        force, lost = excitation @ transform.T, transform @ damping @ transform.T
+        force, lost = excitation @ transform.T, np.einsum("wij,ij->w", damping, transform.T @ transform)
         return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
 
 
@@ -538,8 +561,12 @@ class BuoyOfShape:
 
 def kept_buoy(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:
     """Return the same as `buoy_at`, kept for studies that differ by what their take-off does alone."""
-    parts = study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)
-    return water.buoy_of(" ".join(parts), lambda: buoy_at(study, reference, water))
+    return water.kept(buoy_key(study), lambda: buoy_at(study, reference, water))
+
+
+def buoy_key(study: Study) -> str:
+    """Return what a buoy and what its take-off sees of it follow from, as text."""
+    return " ".join([study.model_dump_json(include=OF_BUOY), study.pto.model_dump_json(include=OF_PORT)])
 
 
 def buoy_at(study: Study, reference: ReferenceShell, water: ShapeWater) -> AtFrequencies:

@@ -29,7 +29,7 @@ from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
-from vsb.models.floating_system import ShapeWater, heading, kept_buoy
+from vsb.models.floating_system import ShapeWater, buoy_at, buoy_key, heading
 from vsb.models.rest import clamps, load_displacements, loaded_at_ring, order_bases, reference_shell, with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.study.resolution import bending_degree, degree_needed
@@ -142,8 +142,9 @@ def _solved_around(one: _Around) -> ShapeWater:
     found = with_excitation(on_grid(problem.solve, omega, one.tolerance, incident_wave(problem)).coefficients)
     if one.order:
         found = with_haskind_damping(found, one.order, water.depth, water.density, water.gravity)
-    matrices = (found[name].values for name in ("added_mass", "radiation_damping"))
-    added_mass, damping = ((m + m.swapaxes(-1, -2)) / 2 for m in matrices)
+    added_mass, damping = (found[name].values for name in ("added_mass", "radiation_damping"))
+    for each in (*added_mass, *damping):  # in place: of many degrees both take hundreds of megabytes
+        each[:] = (each + each.T) / 2
     excitation = np.asarray(found.excitation_force.values[:, 0])
     return ShapeWater(one.moved, np.array(omega), Coefficients(added_mass, damping, excitation))
 
@@ -226,9 +227,11 @@ class ModeConvergence:
         water = self._around(reference.shape, highest, load_displacements(study, reference) if self.wet else ())
         if self.wet:
             water = replace(water, clamps=clamps(study))
+        parts = water.parts(len(with_rings(study, reference, wet=water.clamps).basis.labels))
         squares = self._sampled.squares
-        squares = squares.reshape(len(squares), -1)
-        ports = self._ports(study, reference, water)
+        squares = np.concatenate([squares[:, :, part].reshape(len(squares), -1) for part in parts], axis=1)
+        known = f"{buoy_key(study)} {self._sampled.directions.tolist()}"
+        ports = water.kept(known, lambda: joined([self._ports(study, reference, water.at(part)) for part in parts]))
         return powers_of_ports(ports, study.pto, squares, self.families, judged=self.judged)
 
     @cached_property
@@ -281,8 +284,7 @@ class ModeConvergence:
 
         By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
         """
-        buoy = kept_buoy(study, reference, water)
-        omega, directions, _ = self._sampled
+        buoy, omega, directions = buoy_at(study, reference, water), water.omega, self._sampled.directions
         if study.pto.several:
             return buoy.several_ports()
         if self._motion != "free" and not directions.any():
@@ -300,6 +302,18 @@ class ModeConvergence:
             admittance = np.tile(one.port.admittance, len(directions))
             found[design] = Port(np.tile(omega, len(directions)), admittance, velocity.ravel(), one.port.compliance)
         return found
+
+
+def joined(parts: Sequence[Mapping[str, Port | Ports]]) -> Mapping[str, Port | Ports]:
+    """Return the ports of designs at some frequencies and at others as one."""
+    found = {}
+    for design, port in parts[0].items():
+        omega, admittance, velocity = (
+            np.concatenate([getattr(part[design], name) for part in parts])
+            for name in ("omega", "admittance", "velocity")
+        )
+        found[design] = replace(port, omega=omega, admittance=admittance, velocity=velocity)
+    return found
 
 
 def full(degree: int) -> Modes:

@@ -33,6 +33,8 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 
 _COLUMNS = 12
 """Combinations of columns that the weights are found from; all columns are interpolated."""
+AT_ONCE = 1_000_000
+"""Values that are interpolated at once: 16 megabytes."""
 FEWEST_SAMPLES = 4
 """Least number of samples for which three interpolants can be compared."""
 
@@ -135,6 +137,16 @@ class Selected(NamedTuple):
     error: float  # estimated largest on the grid: the largest doubt, or misfit at a sample; inf if a pole hides there
 
 
+def _steps(rationals: Sequence[Rational], grid: FloatArray) -> list[FloatArray]:
+    """Largest differences of neighbouring interpolants on a grid, each (grid,): of few values at once."""
+    count = max(1, AT_ONCE // rationals[0].values.shape[1])
+    found = []
+    for first in range(0, len(grid), count):
+        on = (r(grid[first : first + count]) for r in rationals)
+        found.append([np.abs(b - a).max(axis=1) for a, b in itertools.pairwise(on)])
+    return [np.concatenate(parts) for parts in zip(*found, strict=True)]
+
+
 def selected(
     omega: FloatArray, values: ComplexArray, size: FloatArray, grid: FloatArray, on_grid: FloatArray
 ) -> Selected:
@@ -152,8 +164,7 @@ def selected(
     ascending = np.argsort(omega)  # round-off, and what it decides, must not depend on the order of solving
     omega, values, size = omega[ascending], values[ascending], size[ascending]
     found = interpolants(omega, values, size)
-    on = (r(grid) for r in found)  # two at a time: of many motions each takes hundreds of megabytes
-    steps = [np.abs(b - a).max(axis=1) * on_grid for a, b in itertools.pairwise(on)]
+    steps = [step * on_grid for step in _steps(found, grid)]
     doubts = [np.maximum(a, b) for a, b in itertools.pairwise(steps)]
     misfits = [float((np.abs(r(omega) - values).max(axis=1) * size).max()) for r in found[1:-1]]
     errors = [max(float(doubt.max()), misfit) for doubt, misfit in zip(doubts, misfits, strict=True)]
@@ -277,10 +288,16 @@ class AdaptiveSweep:
                 f"omega: received {omega.min():g} to {omega.max():g} rad/s, the sweep holds {first:g} to {last:g}; "
                 "sweep a wider band"
             )
-        radiated = self.radiation(omega)
+        count = max(1, AT_ONCE // self.radiation.values.shape[1])
+        added_mass = np.empty((len(omega), self.radiation.values.shape[1]))
+        damping = np.empty_like(added_mass)
+        for first in range(0, len(omega), count):
+            part = slice(first, first + count)
+            radiated = self.radiation(omega[part])
+            added_mass[part], damping[part] = radiated.real, omega[part, None] * radiated.imag
         total = self.excitation(omega) / self.incident.turn(omega)
         known = self.incident.froude_krylov(omega).reshape(total.shape)
-        values = (radiated.real, omega[:, None] * radiated.imag, known, total - known)
+        values = (added_mass, damping, known, total - known)
         names = ("added_mass", "radiation_damping", *FORCES)
         shaped = {
             name: (self.solved[name].dims, rows.reshape(len(omega), *self.solved[name].shape[1:]))

@@ -1,8 +1,7 @@
 """The equation of motion in the frequency domain: dynamic stiffness, motion without take-off, port, restraint."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh, null_space
@@ -13,6 +12,8 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 
 UNRESTRAINED = 1e-6
 """Share of a steady force without restoring force from which on the port is unrestrained [-]."""
+AT_ONCE = 1_000_000
+"""Entries of matrices over frequency that are made at once: 16 megabytes each."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,22 @@ class LinearEquation:
     stiffening: FloatArray | float = 0.0  # K_v, what a viscous material adds in motion (omega, dof, dof) [N/m]
     chamber: float = 0.0  # compliance in series with a port, of the gas before a turbine [m^3/Pa]
 
-    @cached_property
-    def dynamic_stiffness(self) -> ComplexArray:
-        """-w^2 (M + A) - i w (B + D) + K + K_v, shape (omega, dof, dof) [N/m]."""
-        w, (added_mass, radiated, _) = self.omega[:, None, None], self.water
-        inertia, lossy = self.mass + added_mass, radiated + self.damping
-        return np.asarray(-(w**2) * inertia - 1j * w * lossy + self.stiffness + self.stiffening, dtype=complex)
+    def blocks(self, motions: FloatArray) -> Iterator[tuple[slice, ComplexArray]]:
+        """Yield places of neighbouring frequencies, and the dynamic stiffness there of a design, (omega, free, free).
+
+        N^T [-w^2 (M + A) - i w (B + D) + K + K_v] N [N/m]; those of all frequencies at once would take gigabytes.
+        """
+        count = max(1, AT_ONCE // max(1, motions.size))
+        for first in range(0, max(1, len(self.omega)), count):
+            part = slice(first, first + count)
+            w, (added_mass, radiated, _) = self.omega[part, None, None], self.water
+            damping, stiffness, stiffening = (
+                each[part] if isinstance(each, np.ndarray) and each.ndim == 3 else each
+                for each in (self.damping, self.stiffness, self.stiffening)
+            )
+            elastic = stiffness + stiffening - w**2 * (self.mass + added_mass[part])
+            lossy = -w * (radiated[part] + damping)
+            yield part, motions.T @ elastic @ motions + 1j * (motions.T @ lossy @ motions)
 
     def response(self, load: ComplexArray, motions: FloatArray) -> ComplexArray:
         """Return the motion of a design under a load, both of shape (..., omega, dof) [N], [m].
@@ -48,8 +59,11 @@ class LinearEquation:
         motions : ndarray, shape (dof, free)
             N, the motions the design allows.
         """
-        projected = motions.T @ self.dynamic_stiffness @ motions
-        return np.asarray(np.linalg.solve(projected, (load @ motions)[..., None])[..., 0] @ motions.T)
+        allowed = load @ motions
+        solved = [
+            np.linalg.solve(stiffness, allowed[..., part, :, None])[..., 0] for part, stiffness in self.blocks(motions)
+        ]
+        return np.asarray(np.concatenate(solved, axis=-2) @ motions.T)
 
     def free_motion(self, motions: FloatArray, direction: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
@@ -69,7 +83,8 @@ class LinearEquation:
         allowed = allowed_part(direction, motions)
         loads = np.empty((len(self.omega), len(allowed), 1 + allowed[0].size), dtype=complex)
         loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed.reshape(len(allowed), -1)
-        solved = motions @ np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        parts = [np.linalg.solve(stiffness, loads[part]) for part, stiffness in self.blocks(motions)]
+        solved = np.asarray(motions @ np.concatenate(parts), dtype=complex)
         free, forced = np.ascontiguousarray(solved[..., 0]), np.ascontiguousarray(solved[..., 1:])
         return free, forced.reshape(*free.shape, *direction.shape[1:])
 
@@ -91,7 +106,7 @@ class LinearEquation:
         """
         along, rate = motions @ allowed_part(directions, motions), -1j * self.omega[:, None]
         parts = np.stack([forced.real, forced.imag])
-        loss = (parts.swapaxes(2, 3) @ ((self.water.damping + self.damping) @ parts)).sum(axis=0)
+        loss = (parts.swapaxes(2, 3) @ (self.water.damping @ parts + self.damping @ parts)).sum(axis=0)
         reactive = (rate[..., None] * (along.T @ forced)).imag
         admittance = self.omega[:, None, None] ** 2 * loss + 1j * (reactive + reactive.swapaxes(1, 2)) / 2
         return Ports(self.omega, admittance, rate * (free @ along))

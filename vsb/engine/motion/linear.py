@@ -274,7 +274,8 @@ class LinearSystem:
         """
         ds = self.database
         force, damping = ds.excitation_force.values[:, 0], ds.radiation_damping.values
-        ds = ds.assign(radiation_damping=(ds.radiation_damping.dims, channelled(damping, force)))
+        channel = channelled(trace(damping), force)
+        ds = ds.assign(radiation_damping=(ds.radiation_damping.dims, channel))
         matrices = ["added_mass", "radiation_damping", "added_mass_inf", "excitation_force", "inertia_matrix"]
         names = [*matrices, *(f"{name}_stiffness" for name in self.stiffness_parts)]
         labels = [f"Motion{i}" for i in range(1, motions.shape[1] + 1)]
@@ -506,7 +507,7 @@ class Channel:
     def __init__(self, database: xr.Dataset, group: IntArray, heading: int = 0) -> None:
         """Interpolate h of the motions `group`, from X in waves of the `heading`-th direction, which excite them."""
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
-        factor = channel_factor(damping, database.excitation_force.values[:, heading, group])
+        factor = channel_factor(trace(damping), database.excitation_force.values[:, heading, group])
         known = np.convolve(factor <= 0, np.ones(2 * _BESIDE + 1))[_BESIDE:-_BESIDE] == 0
         if known.sum() >= _FEWEST:
             omega, factor = omega[known], factor[known]
@@ -524,17 +525,27 @@ class Channel:
 
 def one_channel(excitation: ComplexArray) -> FloatArray:
     """Return Re X X^H of excitation forces (omega, dof), shape (omega, dof, dof)."""
-    return np.real(excitation[:, :, None] * excitation[:, None, :].conj())
+    real, imaginary = excitation.real, excitation.imag
+    found = real[:, :, None] * real[:, None, :]
+    found += imaginary[:, :, None] * imaginary[:, None, :]
+    return np.asarray(found)
 
 
-def channel_factor(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
-    """Return h = tr B/|X|^2 of damping (omega, dof, dof) and excitation (omega, dof), shape (omega,)."""
-    return np.asarray(np.einsum("wii->w", damping) / np.einsum("wii->w", one_channel(excitation)))
+def trace(damping: FloatArray) -> FloatArray:
+    """Return tr B of damping (omega, dof, dof), shape (omega,)."""
+    return np.asarray(np.einsum("wii->w", damping))
 
 
-def channelled(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
-    """Return the part h Re X X^H of a damping, shape (omega, dof, dof): the rest is the solver's error."""
-    return channel_factor(damping, excitation)[:, None, None] * one_channel(excitation)
+def channel_factor(lost: FloatArray, excitation: ComplexArray) -> FloatArray:
+    """Return h = tr B/|X|^2 of the trace of the damping (omega,) and excitation (omega, dof), shape (omega,)."""
+    return np.asarray(lost / (np.abs(excitation) ** 2).sum(axis=1))
+
+
+def channelled(lost: FloatArray, excitation: ComplexArray) -> FloatArray:
+    """Return the part h Re X X^H of a damping, (omega, dof, dof), from its trace: the rest is the solver's error."""
+    found = one_channel(excitation)
+    found *= channel_factor(lost, excitation)[:, None, None]
+    return found
 
 
 # how systems are made -----------------------------------------------------------------------------------------------

@@ -148,7 +148,7 @@ class _Problem:
             omega = np.append(omega, np.geomspace(last, max(BEYOND * last, OF_START * own), FURTHER + 1)[1:])
             steady += [motions.T @ inertia @ moved, motions.T @ system.stiffness @ moved]
         equation = system.extended_equation(omega)
-        stiffness = motions.T @ equation.dynamic_stiffness @ motions
+        stiffness = np.concatenate([stiffness for _, stiffness in equation.blocks(motions)])
         force, groups = system.most_exciting_force(np.minimum(omega, last)), order_groups(system.database).values()
         waves = [force[:, group] @ motions[group] for group in groups]
         loads = np.stack([*waves, *(np.broadcast_to(one, waves[0].shape) for one in steady)], axis=-1)

@@ -97,9 +97,11 @@ class WavePart:
         (x, z), p, (at, source) = self.meridian.targets, self.meridian.points, self.factors
         k, w = (self.cutoff * a for a in self.wavenumbers)
         apart, height = x[:, None] - p.x, z[:, None] + p.z
-        whole = [p.influence(self.meridian.order, apart, height - s, 1.0) for s in self.lengths[0]]
-        below = [(at * (2 * np.pi * w * np.exp(-k * s))) @ source for s in self.lengths[0]]
-        return np.asarray(np.array(whole) - np.array(below))
+        found = np.empty((len(self.lengths[0]), 2, *apart.shape))
+        for each, s in zip(found, self.lengths[0], strict=True):
+            each[:] = p.influence(self.meridian.order, apart, height - s, 1.0)
+            each -= (at * (2 * np.pi * w * np.exp(-k * s))) @ source
+        return found
 
     def pole_weights(self, k: FloatArray) -> FloatArray:
         """Return the weights of PV int_0^kc f(k')/(k' - k) dk' on the Gauss points, shape (k, wavenumber) [-]."""
