@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import HERE
+from conftest import HERE, one_figure
 
 import vsb
 from vsb.cli import main
@@ -21,6 +21,12 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import save
 
 HOME = HERE.parent
+
+
+@pytest.fixture(scope="module", autouse=True)
+def with_one_figure():
+    with one_figure():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,8 @@ from benchmarks import damage, hard_cases, torture
 from benchmarks.__main__ import main
 from benchmarks.hard_cases import Case, Result, judged, load_cases, run_cases
 
-CASES = HERE.parent / "config" / "hard_cases.yaml"
+FILE = HERE.parent / "config" / "hard_cases.yaml"
+CASES = load_cases(FILE)
 SHORT = {"simulation": {"duration": 4.0, "window": [2.0, 4.0]}}
 MANIFEST = PLAN.manifest
 CHEAP = (
@@ -36,9 +37,8 @@ def place(finished, tmp_path, monkeypatch):
 
 
 def test_every_case_of_the_file_is_sound():
-    cases = load_cases(CASES)
-    assert len({case.name for case in cases}) == len(cases) > 60
-    for case in cases:
+    assert len({case.name for case in CASES}) == len(CASES) > 60
+    for case in CASES:
         if case.probe == "simulation" and case.expected == "completed":
             assert set(case.designs) <= set(hard_cases.case_study(case).designs), case.name
 
@@ -47,7 +47,7 @@ def test_every_case_of_the_file_is_sound():
     "name", [pytest.param(name, marks=pytest.mark.slow) if name.startswith("assumed_") else name for name in CHEAP]
 )
 def test_cheap_cases_end_as_expected(name, tmp_path):
-    (case,) = (case for case in load_cases(CASES) if case.name == name)
+    (case,) = (case for case in CASES if case.name == name)
     for row in run_cases([case], tmp_path):
         assert (row.finished, row.verdict) == (case.expected, "ok"), row
         assert bool(row.message) or case.expected == "completed"
@@ -56,7 +56,7 @@ def test_cheap_cases_end_as_expected(name, tmp_path):
 @pytest.mark.slow
 def test_the_wave_is_tuned_to_a_natural_mode(tmp_path):
     """Without water's inertia: sqrt(rho g pi r^2/m)."""
-    base = str(CASES.parent / "paper.yaml")
+    base = str(FILE.parent / "paper.yaml")
     (row,) = run_cases([Case(name="cheap", base=base, designs=("FSB",), overrides=SHORT, wet_mode=0)], tmp_path)
     assert row.message == f"wave at the natural frequency {math.sqrt(1024.7589 * 9.81 * 4 * math.pi / 17170):.6g} rad/s"
 

@@ -129,8 +129,10 @@ def differences(model, direction, part):
         ("VSWEC", RUBBER, "device.material.jm device.material.mu"),
     ],
 )  # fmt: skip
-def test_derivatives_are_those_of_differences(climate, design, changes, keys):
+def test_derivatives_are_those_of_differences(climate, monkeypatch, design, changes, keys):
     """By several variables at once in the direction of their sizes, each with a factor of its own."""
+    monkeypatch.setattr("vsb.engine.shell.rings.FINER", 1)
+    monkeypatch.setattr("vsb.engine.shell.lobes.LEAST", 10)
     study = study_of(**changes)
     model, kinked = model_of(study, design, climate, keys.split()), study.device.shape and loaded_at_ring(study, design)
     part = 1e-3 if kinked else 1e-5  # responses with kinks have ten digits, of two points seven

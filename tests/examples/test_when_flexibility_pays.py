@@ -16,6 +16,13 @@ def small(seed):
     return varied(seed, modes={"degree": 2}, hydro={"omega_max": 6.0})
 
 
+@pytest.fixture(scope="module", autouse=True)
+def fewer_limits():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(example, "LIMITS", (0.1, 1.0, np.inf))
+        yield
+
+
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory, seed):
     folder = tmp_path_factory.mktemp("map")

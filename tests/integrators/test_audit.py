@@ -300,7 +300,7 @@ def test_work_of_every_force_equals_force_times_velocity(model, design, name, me
     dof = len(parts()[1].basis.labels)
     b = np.linspace(-0.5, 0.6, dof) if more.pop("port", HEAVE) == SHELL else np.eye(dof)[0]
     scene = scene_of(model, design, pto, port=b, **more)
-    system, time = System.of(scene), np.linspace(0.0, 1.25 * PERIOD, 4001)
+    system, time = System.of(scene), np.linspace(0.0, 1.25 * PERIOD, 2001 if method == "convolution" else 4001)
     spectrum, tolerance = parts()[3], 1e-9
     start = scene.start(0.02, 0.1)
     motion, _ = METHODS[method].follower(system, tolerance, spectrum)(time, start)

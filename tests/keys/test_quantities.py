@@ -55,7 +55,7 @@ PLAIN = st.recursive(
 )
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.dictionaries(TEXT, PLAIN))
 def test_order_of_keys_does_not_matter(data):
     assert canonical(dict(reversed(data.items()))) == canonical(data)

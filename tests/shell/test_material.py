@@ -318,7 +318,7 @@ def ring_held(colatitude, degree):
 
 @pytest.mark.parametrize(
     ("law", "kind"),
-    [("neo_hookean", "open"), ("gent", "near lock-up"), ("mooney_rivlin", "held"), ("neo_hookean", "gas")],
+    [("gent", "near lock-up"), ("mooney_rivlin", "held"), ("neo_hookean", "gas")],
 )
 def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law, kind):
     random, (of, energy) = np.random.default_rng([len(law), len(kind)]), RANDOM[law]
