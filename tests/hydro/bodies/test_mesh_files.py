@@ -380,54 +380,6 @@ def test_what_is_no_mesh_is_told_in_a_line(tmp_path, name, text, message):
         read_mesh(tmp_path / name)
 
 
-LIBRARIES = (
-    "meshio",
-    "numpy",
-    "index",
-    "could not",
-    "NetCDF:",
-    "codec",
-    "literal",
-    "unpack",
-    "shape",
-    "buffer",
-    "array",
-)
-
-
-@pytest.mark.parametrize("kind", ["obj", "vtk", "vtp", "ply", "msh", "gdf", "off"])
-def test_damaged_meshes_raise_no_words_of_a_library(tmp_path, kind, monkeypatch):
-    """Twelve of each kind, cut or with changed bytes: read, or one line of our own."""
-    monkeypatch.setattr(tool_files, "SECONDS", (1.0, 0.0))
-    points, side, _ = cylinder()
-    path = tmp_path / f"whole.{kind}"
-    if kind == "obj":
-        obj(path, points, side, "{0}/1/1", "vt 0 0\nvn 0 0 1\n")
-    elif kind == "vtk":
-        polydata(path, "3.0", "ASCII", points, side)
-    elif kind == "gdf":
-        rows = "\n".join(" ".join(map(str, p)) for p in points[np.array(side)].reshape(-1, 3))
-        path.write_text(f"a\n1 9.81\n0 0\n{len(side)}\n{rows}\n")
-    elif kind == "off":
-        rows = [" ".join(map(str, p)) for p in points] + ["4 " + " ".join(map(str, quad)) for quad in side]
-        path.write_text(f"OFF\n{len(points)} {len(side)} 0\n" + "\n".join(rows))
-    elif kind == "vtp":
-        test_vtp_as_paraview_writes_surfaces_is_read(tmp_path)
-        path = tmp_path / "hull.vtp"
-    else:
-        meshio.Mesh(points, [("quad", np.array(side, dtype=np.int32))]).write(path)
-    whole, chance = path.read_bytes(), random.Random(kind)
-    for i in range(12):
-        broken = tmp_path / f"broken{i}.{kind}"
-        broken.write_bytes(damaged(whole, chance))
-        try:
-            read_mesh(broken)
-        except ConfigError as error:
-            message = str(error).replace(str(broken), "")
-            assert not any(word in message for word in LIBRARIES), message
-            assert "\n" not in message
-
-
 LABELS = ("Heave", "Pitch")
 BOX = barge.box(6.0, 4.0, 2.0, 1)
 
@@ -530,6 +482,9 @@ def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
     assert (stated, notes) == (4, ("left out, no surface: 1 line",))
 
 
+LIBRARIES = re.compile("meshio|numpy|index|could not|NetCDF:|codec|literal|unpack|(?<!mode_)shape|buffer|array")
+
+
 def damaged(data, chance):
     """A file with one bit turned, cut short, one number replaced, or eight bytes of anything."""
     at = chance.randrange(len(data))
@@ -546,12 +501,21 @@ def damaged(data, chance):
     return data[:at] + bytes([data[at] ^ 1 << chance.randrange(8)]) + data[at + 1 :]
 
 
-@pytest.mark.parametrize("kind", ["gdf", "nc", "stl", "vtu", "modes.nc"])
+@pytest.mark.parametrize("kind", ["obj", "vtk", "vtp", "off", "ply", "msh", "gdf", "nc", "stl", "vtu", "modes.nc"])
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypatch):
-    """Ten of each kind: whatever other libraries make of them, no traceback, no warning, no end of memory or time."""
+    """Eleven of each kind: no traceback, no warning, no words of a library, no end of memory or time."""
     monkeypatch.setattr(tool_files, "SECONDS", (1.0, 0.0))
-    mesh, chance = mesh_file(tmp_path, "box.nc"), random.Random(kind)
-    whole = mesh.read_bytes() if kind == "modes.nc" else mesh_file(tmp_path, f"box.{kind}").read_bytes()
+    mesh, chance, (points, side, _) = mesh_file(tmp_path, "box.nc"), random.Random(kind), cylinder()
+    path = tmp_path / f"hull.{kind}"
+    if kind == "obj":
+        obj(path, points, side, "{0}/1/1", "vt 0 0\nvn 0 0 1\n")
+    elif kind == "vtk":
+        polydata(path, "3.0", "ASCII", points, side)
+    elif kind == "vtp":
+        test_vtp_as_paraview_writes_surfaces_is_read(tmp_path)
+    else:
+        path = mesh if kind == "modes.nc" else mesh_file(tmp_path, f"box.{kind}")
+    whole = path.read_bytes()
     for i in range(11):
         broken = tmp_path / f"broken{i}.{kind}"
         broken.write_bytes(damaged(whole, chance))
@@ -562,6 +526,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypat
             except ConfigError as error:
                 message = str(error)
                 assert broken.name in message and len(message) < 700 and "\n" not in message  # noqa: PT018
+                assert not LIBRARIES.search(message.replace(str(broken), "")), message
 
 
 def test_matrices_and_centres_come_back_from_the_file(tmp_path):

@@ -230,13 +230,25 @@ SEEN = dict(zip(DAMAGES, ("phases", "phases", "kramers_kronig", "kramers_kronig"
                           "displaced_volume", "trim"), strict=True))  # fmt: skip
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_each_fault_of_a_file_is_found_by_its_check(ball, tmp_path, damage):
-    """Of a hemisphere solved by capytaine: a check of its own is no longer ok."""
+@pytest.fixture
+def verdicts_of(ball, tmp_path):
+    """Function changes of the entries -> verdicts on the file of a hemisphere solved by capytaine."""
     entries = bemio_entries(read_capytaine(ball), "ball")
-    for name, changes in (("sound", {}), ("damaged", DAMAGES[damage](entries))):
-        write_h5(entries | changes, tmp_path / f"{name}.h5")
-        checks, _, _ = import_bemio(str(tmp_path / f"{name}.h5"), str(tmp_path / "o.nc"), axisymmetric=False)
-        verdicts = {check.name: check.verdict for check in checks}
-        assert (verdicts.get(SEEN[damage], "ok") == "ok") == (name == "sound"), verdicts
-    assert verdicts[SEEN[damage]] == ("doubt" if damage[:6] in ("stiffn", "volume", "centre") else "fail")
+
+    def judge(change):
+        write_h5(entries | change(entries), tmp_path / "a.h5")
+        checks, _, _ = import_bemio(str(tmp_path / "a.h5"), str(tmp_path / "o.nc"), axisymmetric=False)
+        return {check.name: check.verdict for check in checks}
+
+    return judge
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_each_fault_of_a_file_is_found_by_its_check(verdicts_of, damage):
+    expected = "doubt" if damage[:6] in ("stiffn", "volume", "centre") else "fail"
+    assert verdicts_of(DAMAGES[damage])[SEEN[damage]] == expected
+
+
+def test_a_file_without_faults_has_none(verdicts_of):
+    sound = verdicts_of(lambda _: {})
+    assert {sound.get(name, "ok") for name in SEEN.values()} == {"ok"}
