@@ -336,9 +336,7 @@ def test_results_lie_where_they_are_asked_for(capsys, tmp_path):
     assert f"database     {folder}/hydro/db/" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("line", "follows"), [("vsb ch", {"check "}), ("vsb run --q", {"--quiet "}), ("vsb check m", {"my.yaml "})]
-)
+@pytest.mark.parametrize(("line", "follows"), [("vsb run --q", {"--quiet "}), ("vsb check m", {"my.yaml "})])
 def test_a_shell_is_told_what_may_follow(tmp_path, monkeypatch, line, follows):
     monkeypatch.chdir(tmp_path)
     Path("my.yaml").touch()
