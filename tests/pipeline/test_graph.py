@@ -70,7 +70,7 @@ def test_functions_of_stages_take_the_files_of_their_tasks(plan):
 SEAS = tuple({"kind": "regular", "amplitude": 0.1, "period": 2.5 + 0.1 * i} for i in range(20))
 
 
-@pytest.mark.parametrize(("duration", "together"), [(60.0, True), (3e4, False)])
+@pytest.mark.parametrize(("duration", "together"), [(60.0, True), (6e4, False)])
 def test_short_runs_share_jobs_of_ten_seconds_and_long_ones_have_their_own(tmp_path, duration, together):
     simulation = {"duration": duration, "window": (10.0, 40.0)}
     study = config.parse(

@@ -17,9 +17,8 @@ from vsb.pipeline.plans import plan_of
 from vsb.stages.check import cost_lines
 from vsb.study.study import load, parse
 
-MEASURED = 20.0
-"""CPU-seconds of the example in one process on a machine that does nothing else: 25 with figures for print, which took a
-fifth of them."""
+MEASURED = 6.4
+"""CPU-seconds of the example in one process."""
 
 
 def seconds(plan):
@@ -34,7 +33,7 @@ def test_estimate_is_within_a_factor_of_two_of_a_measured_run(tmp_path):
 
 
 def test_what_is_there_costs_nothing(tmp_path):
-    """A run that was killed goes on: only jobs whose files are missing are counted; both solvers took 6.7 s."""
+    """A run that was killed goes on: only jobs whose files are missing are counted; both solvers took 3.5 s."""
     plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": 9}), root=str(tmp_path))
     before = seconds(plan)
     for job in jobs(plan):
@@ -42,7 +41,7 @@ def test_what_is_there_costs_nothing(tmp_path):
             for path in job.makes:
                 (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
                 (tmp_path / path).touch()
-    assert seconds(plan) < before - 6
+    assert seconds(plan) < before - 3.5
     assert "6 of 8 jobs" in schedule.cost_line(plan, {})
 
 
@@ -52,13 +51,13 @@ REGULAR, IRREGULAR = {"kind": "regular", "amplitude": 0.1, "period": 3.5}, {"kin
 @pytest.mark.parametrize(
     ("degree", "height", "depth", "wave", "measured"),
     [
-        (6, None, math.inf, REGULAR, 5.8),
-        (30, None, math.inf, REGULAR, 11.5),
-        (60, None, math.inf, REGULAR, 21.3),
-        (30, None, math.inf, IRREGULAR, 37.1),
-        (15, 4.4, 15.0, REGULAR, 11.8),
-        (30, 4.4, math.inf, REGULAR, 12.7),
-        (30, 4.4, 15.0, REGULAR, 19.1),
+        (6, None, math.inf, REGULAR, 2.2),
+        (30, None, math.inf, REGULAR, 4.4),
+        (60, None, math.inf, REGULAR, 7.4),
+        (30, None, math.inf, IRREGULAR, 19.3),
+        (15, 4.4, 15.0, REGULAR, 4.5),
+        (30, 4.4, math.inf, REGULAR, 5.7),
+        (30, 4.4, 15.0, REGULAR, 7.0),
     ],
 )
 def test_shell_modes_depth_and_seas_are_counted(tmp_path, degree, height, depth, wave, measured):
@@ -73,7 +72,7 @@ def test_shell_modes_depth_and_seas_are_counted(tmp_path, degree, height, depth,
 
 
 def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
-    """Measured 0.8 to 1.2 s of each, 0.2 with another spring alone; of an undeformed shape a tenth of that."""
+    """Measured 0.4 to 0.5 s of each, 0.1 of an undeformed shape."""
     with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
     raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "modes": {"degree": 9}}
     given = {"campaign": "many", "study": "shell.yaml", "climate": {"spectra": "sea.txt"}}
@@ -85,8 +84,8 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
             (tmp_path / "many.yaml").write_text(yaml.safe_dump({**given, "vary": vary}))
             plan = replace(plan_of(str(tmp_path / "many.yaml")), root=str(tmp_path / "results"))
             found[shape, count] = sum(task.seconds for task in plan.tasks if task.stage == "members")
-    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 1.0, rel=0.2)
-    assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.12, rel=0.3)
+    assert found["equilibrium", 20] - found["equilibrium", 10] == pytest.approx(10 * 0.45, rel=0.5)
+    assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.13, rel=0.3)
 
 
 @pytest.mark.parametrize(("tuning", "seconds"), [("each", 20.0), ("one", 0.0)])

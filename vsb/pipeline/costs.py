@@ -4,13 +4,14 @@ Seconds are of one core of a desktop machine that does nothing else; on a busy o
 """
 
 import math
+from collections.abc import Collection
 
 import psutil
 
 from vsb.engine.hydro.bodies.body_file import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
-from vsb.engine.motion.take_off import Pto, SeveralPorts
+from vsb.engine.motion.take_off import DistributedPort, SeveralPorts
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.water import Water
 from vsb.study.campaign import CAUSAL
@@ -20,48 +21,48 @@ from vsb.study.study import Study
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
-START_OF_A_PROCESS = 2.5
+START_OF_A_PROCESS = 2.0
 """Of Python, its imports, and what is checked before a run."""
 GREEN_SECONDS, GREEN_KEPT_SECONDS = 20.0, 0.2
 """Of the Green-function table of panels: computed once on a machine, then copied."""
 OF_MOTIONS = {
-    "display": (0.1, 0.001), "radiation": (0.4, 0.02), "response": (0.3, 0.006), "simulate": (0.1, 0.006),
-    "figures": (0.0, 0.012),
+    "display": (0.02, 0.001), "radiation": (0.2, 0.015), "response": (0.15, 0.007), "simulate": (0.0, 0.006),
+    "figures": (0.0, 0.006),
 }  # fmt: skip
 """Of stages, once and for each motion: of the shell, in response and figures of each flexible design. Measured with 13
 to 121 motions, as all that depends on them."""
 SPECTRAL_MEGABYTES = 0.06
 """Of coefficients over the band, over the displacements squared: 0.9 GB of 121, 3.5 GB of 241 [MB]."""
-DATABASE_SECONDS = (0.1, 1e-4)
+DATABASE_SECONDS = (0.06, 3e-5)
 """Of a database of the spectral solver, once and for its motions squared."""
-LEFT_OUT_SECONDS = 1e-3
-"""Of powers with up to twice as many shell modes, over their degree squared."""
+LEFT_OUT_SECONDS = (0.08, 3e-4)
+"""Of powers with up to twice as many shell modes, once and over their degree squared."""
 WET_SECONDS, BESIDE_LOADS = 8.0, 2.0
 """The same where shapes beside loaded rings move water, beside it; and of coefficients over the band."""
 START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
-FIGURE_SECONDS = 0.15
+FIGURE_SECONDS = 0.055
 """Of a file of a figure; each has two."""
-LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.2, 0.5, (5.0, 25.0)
+LADDER_SECONDS, CAUSAL_SECONDS, CAUSAL_AT_PORTS = 0.1, 0.4, (5.0, 25.0)
 """Of the control levels, and how many more of a design in an irregular sea, whose control is causal too; of a rigid
 and of a flexible one at several ports."""
 OF_FULL_MATRIX = 2.6
 """The latter over that of a damper at each port alone."""
 BINS, ONCE = 90, 0.1
 """Bins of Hs and Te of the years in which causal control was timed, and the part of that time that any year takes."""
-IN_A_SEA_SECONDS = 3.3e-4
+IN_A_SEA_SECONDS = 2.5e-4
 """Of what a take-off sees at the 1500 components of an irregular sea, over the squared motions of a flexible design."""
 IN_SEAS = {"ladder": 6, "compare": 9, "figures": 4, "report": 1}
 """How often stages ask for that: for causal control in five seas, each with its own components, and others."""
-COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (0.3, 0.2)
+COMPARED_SECONDS, REPORTED_SECONDS = (0.15, 0.1), (0.2, 0.1)
 """Of the tables and of the page, each also for every run in time."""
 SPECTRAL_SECONDS = {"deep": (0.1, 2.6e-4), "finite": (0.1, 1.4e-3)}
 """Of the coefficients of one azimuthal order of a shape, all frequencies, once and for its displacements squared."""
 PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
-WITNESS_ROW2_SECONDS = 2.6e-4
+WITNESS_ROW2_SECONDS = 1.6e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-RUN_SECONDS = {"linear": (0.1, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 7e-3), "auto": (1.0, 5e-3)}
+RUN_SECONDS = {"linear": (0.05, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.2, 3e-3), "auto": (0.4, 2e-3)}
 """Of a run in time, and of each second it follows, by model."""
 SWITCHING_SECONDS = 7e-3
 """Of each second of a linear run more under a take-off that switches, as Coulomb friction or a limit does."""
@@ -70,20 +71,20 @@ DEGREE, BY_DEGREE, OF_RIGID = 9.0, 1.3, 1.5
 a rigid buoy counts as: measured from 6 to 20."""
 OF_SHAPE = 3.0
 """How many times as long a body-exact run of another shape than the sphere takes: of capsules."""
-LATCHING_TIME_SECONDS = {"rigid": 2.5, "flexible": 15.0, "body_exact": 20.0}
+LATCHING_TIME_SECONDS = {"rigid": 1.0, "flexible": 4.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"rigid": 0.05, "flexible": 0.2, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
 AT_THE_SHELL = 8.0
 """How many times as long it takes where the port moves with the wall, whose modes are far faster than the waves."""
-REST_SECONDS, SAME_REST_SECONDS = 0.8, 0.06
+REST_SECONDS, SAME_REST_SECONDS = 0.4, 0.06
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out; and one that shares
 the shape of another, such as with another spring."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.2}
 """Of one design in one sea of `verify`, by model."""
 CONTROLLED_SEA_SECONDS = {"linear": 2.0, "body_exact": 8.0}
 """The same under a causal controller, its filter included."""
-BODY_SECONDS, IN_FINITE_DEPTH = 0.25, 2.5
+BODY_SECONDS, IN_FINITE_DEPTH = 0.1, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 FREQUENCIES_SECONDS, MOST_OF_FREQUENCIES = 10.0, 32
 """What the frequencies of a body that are solved apart are to take at least, and in how many parts at most."""
@@ -95,15 +96,16 @@ CAUSAL_YEAR_SECONDS, CAUSAL_AT_PORTS_SECONDS = 5.0, 50.0
 """CPU time of the causal controllers of a design in a year of some ninety bins, at one port and at two."""
 MATRICES_SECONDS = 10.0
 """Of the best full damper matrices of a design in each of these bins."""
+SPREAD_SECONDS = 2.5e-4
+"""Of a damper spread over the shell of a design, over its degree cubed; measured with degree 30."""
 MATRICES_WITHIN_SECONDS = 150.0
 """Of the damper matrices of a given rms force in each of these bins."""
 WITH_LOSSES = 5.0
 """That with losses in conversion, over it: weights are found by repetition."""
 YEAR_MEGABYTES = 0.02
 """Of a design's year under one tuning, power matrices and all."""
-OVER_BUDGET = 2.0
-"""CPU time of optima within limits over their budget, by which their number was chosen; measured 2.1 to 3 on a busy
-machine."""
+OVER_BUDGET = 0.7
+"""CPU time of optima within limits over their budget, by which their number was chosen."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
 
@@ -148,7 +150,8 @@ def spectral_megabytes(displacements: int) -> int:
 def left_out_seconds(study: Study) -> float:
     """Return the CPU time of powers with up to twice as many shell modes, their water left out [s]."""
     beside_rings = WET_SECONDS if study.has_shell and wets_rings(study) else 0.0
-    return float(LEFT_OUT_SECONDS * _enough(study) ** 2) + beside_rings
+    once, each = LEFT_OUT_SECONDS
+    return float(once + each * _enough(study) ** 2) + beside_rings
 
 
 def finer_water_seconds(buoy: Study) -> float:
@@ -234,16 +237,21 @@ def verification_seconds(spec: VerificationSpec) -> float:
     if spec.verify.model == "body_exact":
         designs = sum(_of_wall(study, flexible=one.flexible) for one in study.designs.values())
     year = CAUSAL_YEAR_SECONDS * len(study.designs) if controlled else 0.0
-    if "each" in spec.tuning:
-        year = matrices_of_year(study.pto, len(study.designs))
+    year = max(year, matrices_of_year(study, spec.tuning))
     return motions_seconds("radiation", 0) + each * designs + year
 
 
-def matrices_of_year(pto: Pto, designs: int) -> float:
-    """Return the CPU time of the best damper matrix in each sea of a year, of all designs [s]; 0 of one port."""
-    if not isinstance(pto.port, SeveralPorts):
+def matrices_of_year(study: Study, tuning: Collection[str]) -> float:
+    """Return the CPU time of the damper matrices of all designs in the seas of a year [s]; 0 of one port.
+
+    Where a damper is spread over the shell, that of a table of its sizes.
+    """
+    port, designs = study.pto.port, len(study.designs)
+    if isinstance(port, DistributedPort):
+        return float(SPREAD_SECONDS * designs * _enough(study) ** 3)
+    if not isinstance(port, SeveralPorts) or "each" not in tuning:
         return 0.0
-    return MATRICES_SECONDS * designs / (1.0 if pto.port.matrix == "full" else OF_FULL_MATRIX)
+    return MATRICES_SECONDS * designs / (1.0 if port.matrix == "full" else OF_FULL_MATRIX)
 
 
 def record_megabytes(study: Study, wave: Wave, coordinates: int) -> int:

@@ -277,7 +277,7 @@ class CampaignPlan(Graph):
                 seconds += costs.MATRICES_WITHIN_SECONDS
             each += seconds * (costs.WITH_LOSSES if base.pto.efficiency < 1 else 1.0)
             each *= base.band[1] / costs.CAUSAL_BAND if base.band else 1.0
-        matrices = costs.matrices_of_year(base.pto, len(base.designs)) if "each" in self.loaded.tuning else 0.0
+        matrices = costs.matrices_of_year(base, self.loaded.tuning)
         return costs.MEMBER_SECONDS + each * len(base.designs) + matrices
 
     def _seconds(self, some: Sequence[Member]) -> float:
@@ -388,7 +388,7 @@ class CampaignPlan(Graph):
         files = {**self._read, "figures": f"{self.folder}/figures", "manifest": self.manifest}
         return Task(
             "campaign_report", whole.spec, files | {"data": whole.out, "out": report}, (report, *figures), (whole.out,),
-            whole.id, seconds=3.0 + 1e-3 * len(self.members), megabytes=whole.megabytes,
+            whole.id, seconds=1.2 + 1e-3 * len(self.members), megabytes=whole.megabytes,
         )  # fmt: skip
 
     def _tasks(self) -> Iterator[Task]:

@@ -94,24 +94,28 @@ def summary(plan: Plan) -> list[str]:
 
 
 def cost_lines(plan: Plan) -> list[str]:
-    """Return the jobs left and their CPU time, of bodies from their meshes as built; a design measures its own."""
-    if isinstance(plan, DesignPlan):
-        return []
-    known: dict[str, float] = {}
-    bodies = [plan] if isinstance(plan, BodyPlan) else plan.bodies if isinstance(plan, CampaignPlan) else []
-    if some := [one for one in bodies if one.study.uses_panels]:
-        from vsb.engine.hydro.panels.bem import is_table_kept
-        from vsb.stages.body_preview import solving_seconds
+    """Return the jobs left and their CPU time; a design measures its own."""
+    return [] if isinstance(plan, DesignPlan) else [cost_line(plan, known_seconds(plan))]
 
-        apart = [task for task in plan.tasks if task.stage == "frequencies"]
-        if apart:  # of one body: their database takes all of the estimate
-            share = solving_seconds(some[0]) / sum(task.seconds for task in apart)
-            known = {task.out: share * task.seconds for task in apart}
-        else:
-            known = {one.database.out: solving_seconds(one) for one in some}
-        if is_table_kept():
-            known |= {one.green.out: GREEN_KEPT_SECONDS for one in some}
-    return [cost_line(plan, known)]
+
+def known_seconds(plan: Plan) -> dict[str, float]:
+    """Return the CPU time of tasks by what they make, where more is known than the plan does [s].
+
+    Of bodies from their meshes as built, and of the Green-function table that this machine may keep.
+    """
+    bodies = [plan] if isinstance(plan, BodyPlan) else plan.bodies if isinstance(plan, CampaignPlan) else []
+    if not (some := [one for one in bodies if one.study.uses_panels]):
+        return {}
+    from vsb.engine.hydro.panels.bem import is_table_kept
+    from vsb.stages.body_preview import solving_seconds
+
+    apart = [task for task in plan.tasks if task.stage == "frequencies"]
+    if apart:  # of one body: their database takes all of the estimate
+        share = solving_seconds(some[0]) / sum(task.seconds for task in apart)
+        known = {task.out: share * task.seconds for task in apart}
+    else:
+        known = {one.database.out: solving_seconds(one) for one in some}
+    return known | {one.green.out: GREEN_KEPT_SECONDS for one in some if is_table_kept()}
 
 
 def sea_lines(plan: Plan) -> list[str]:

@@ -12,7 +12,7 @@ from vsb.pipeline.costs import plain_seconds
 from vsb.pipeline.graph import StudyPlan, Task, due
 from vsb.pipeline.jobs import RULES, Rule, workers
 from vsb.pipeline.plans import DesignPlan, Plan
-from vsb.stages.check import check_plan
+from vsb.stages.check import check_plan, known_seconds
 from vsb.stages.stage import CAN_FORK, exclusive_lock, run_side_by_side, run_task, shared_lock
 from vsb.stages.verify import stale_products
 from vsb.study.study import Study
@@ -124,7 +124,8 @@ def make_each(
     print goes into the log.
     """
     count = workers(some) if side_by_side and CAN_FORK else 1
-    progress = Progress(plan.name, [task.seconds for task in some], quiet, count)
+    known = known_seconds(plan)
+    progress = Progress(plan.name, [known.get(task.out, task.seconds) for task in some], quiet, count)
 
     def begun(place: int, done: Collection[int]) -> None:
         progress.begin(some[place].words, done)
