@@ -56,7 +56,8 @@ def test_invalid_yaml(tmp_path, text, message):
     assert "\n" not in str(error.value)
 
 
-def test_lists_of_many_values_are_no_aliases(tmp_path):
+def test_lists_of_many_values_are_no_aliases(tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "MOST_NODES", 100)
     file = tmp_path / "many.yaml"
     file.write_text("a: [" + "1, " * (reading.MOST_NODES + 1) + "]\nb: &b [2]\nc: *b\n")
     assert len(reading.read_yaml(file, "a study file")["a"]) == reading.MOST_NODES + 1

@@ -47,20 +47,20 @@ def test_absorbed_power_matches_the_semi_analytic_estimate(buoy_of, published):
 
 def test_motion_of_many_modes_takes_less_memory_than_their_stiffness_over_frequency(rng_matrices):
     """At each frequency the solution is that of the whole equation there."""
-    equation = rng_matrices(frequencies=300, dof=240)
-    direction, motions = np.ones(240), np.eye(240)[:, 1:]
+    equation = rng_matrices(frequencies=600, dof=100)
+    direction, motions = np.ones(100), np.eye(100)[:, 1:]
     tracemalloc.start()
     try:
         free, forced = equation.free_motion(motions, direction)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < 300 * 240**2 * 16
-    w, (added_mass, radiated, force) = equation.omega[299], (each[299] for each in equation.water)
+    assert peak < 600 * 100**2 * 16
+    w, (added_mass, radiated, force) = equation.omega[599], (each[599] for each in equation.water)
     dynamic = equation.stiffness - w**2 * (equation.mass + added_mass) - 1j * w * (radiated + equation.damping)
     loads = np.column_stack([force, direction])[1:]
     expected = motions @ np.linalg.solve(dynamic[1:, 1:], loads)
-    assert np.column_stack([free[299], forced[299]]) == pytest.approx(expected, rel=1e-9)
+    assert np.column_stack([free[599], forced[599]]) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.fixture

@@ -36,7 +36,7 @@ from vsb.results.year import Bins
 from vsb.study.campaign import CONSTRAINED
 
 SEAS = climate(seas=10)
-HARMONICS = Harmonics(0.1, 2.0, 23)  # 0.2 to 2.4 rad/s
+HARMONICS = Harmonics(0.2, 1.0, 12)  # 0.2 to 2.4 rad/s
 PORT = port(HARMONICS.port_omega)
 
 
@@ -143,7 +143,7 @@ def test_gain_in_the_same_waves_is_sharp():
 
 def test_undecided_sea_keeps_its_bound():
     """Where no force was found but none is excluded either."""
-    limits = Limits(2e4, 0.05)
+    limits = Limits(1e4, 0.05)
     year_of = limited(limits)
     none = np.array([[optimum is None for optimum in pair] for pair in year_of.optima])
     assert none.any()
