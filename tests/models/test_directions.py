@@ -19,6 +19,7 @@ from vsb.models.rest import check_moored, check_stable, check_upright, reference
 from vsb.models.take_off import LINEARISED
 from vsb.models.viability import viability
 from vsb.pipeline.graph import StudyPlan
+from vsb.results.ladder import study_ladder
 from vsb.stages import make
 from vsb.stages.stage import run_task
 from vsb.study.study import load, parse
@@ -355,6 +356,20 @@ def test_drag_rotates_with_the_waves(folder):
 
 def spread(s):
     return {"kind": "jonswap", "hs": 0.5, "tp": 3.5, "spreading": {"s": s, "directions": 7}}
+
+
+@pytest.mark.parametrize(("s", "count"), [(10.0, 9), (2.0, 31)])
+def test_powers_in_a_spread_sea_are_those_of_its_law(folder, s, count):
+    """At a surging port E cos^2 of the directions is left of every power, whatever turns they take in a run."""
+    waves = [{**spread(s), "spreading": {"s": s, "directions": count}}]
+    waves.append({key: value for key, value in waves[0].items() if key != "spreading"})
+    study = study_with(waves=waves, pto={"damping": 1.9e4, "port": "surge"}, designs={"FSB": {"flexible": False}})
+    short, long = (wave.label for wave in study.waves)
+    levels = study_ladder(study, made(study, folder).database.out)
+    found = {(level.wave, level.rung): level.power_mean for level in levels}
+    for rung in ("fixed", "best_damper", "causal", "matched"):
+        left = found[short, rung] / found[long, rung]
+        assert left == pytest.approx(0.5 + 0.5 * s * (s - 1) / ((s + 1) * (s + 2)), rel=2e-4), rung
 
 
 def test_spread_sea_moves_a_surging_port_by_the_cosine_of_each_direction(folder):

@@ -268,8 +268,20 @@ def spread(s, directions=9, **keys):
 def test_directions_have_equal_energy(s, count):
     """sin^2 of a quarter turn and half the angle is Beta(s + 1/2, s + 1/2)-distributed for cos^2s(angle/2)."""
     shares = (np.arange(count) + 0.5) / count
-    exact = 2 * np.degrees(np.arcsin(2 * betaincinv(s + 0.5, s + 0.5, shares) - 1))
-    assert np.array(Spreading(s=s, directions=count).angles) == pytest.approx(exact, abs=2e-4 * abs(exact).max())
+    exact = 2 * np.arcsin(2 * betaincinv(s + 0.5, s + 0.5, shares) - 1)
+    assert np.array(Spreading(s=s, directions=count)._middles) == pytest.approx(exact, abs=2e-4 * abs(exact).max())
+
+
+@pytest.mark.parametrize("s", [1.0, 2.5, 10.0, 75.5, 1e4])
+@pytest.mark.parametrize("count", [2, 3, 4, 6, 7, 9, 36])
+def test_directions_have_the_moments_of_their_law(s, count):
+    """E cos m theta = Gamma(s + 1)^2/(Gamma(s + 1 + m) Gamma(s + 1 - m)); E cos^2 theta is the power of surge."""
+    found = np.radians(Spreading(s=s, directions=count).angles)
+    assert np.all(np.diff(found) > 0)
+    assert found == pytest.approx(-found[::-1], abs=1e-12)
+    moments = {1: s / (s + 1), 2: s * (s - 1) / ((s + 1) * (s + 2))}
+    for m in (1, 2) if count >= 7 else (2,):
+        assert np.mean(1 - np.cos(m * found)) == pytest.approx(1 - moments[m], rel=1e-9)
 
 
 def test_energy_is_that_of_the_long_crested_sea_and_shared_by_the_directions():
@@ -286,14 +298,6 @@ def test_energy_is_that_of_the_long_crested_sea_and_shared_by_the_directions():
     again, other = spread(10.0).realisation(6.0, 1200.0), spread(10.0, seed=2).realisation(6.0, 1200.0)
     assert np.array_equal(short.heading, again.heading)
     assert not np.array_equal(short.heading, other.heading)
-
-
-def test_mean_direction_and_order_are_those_of_cos_2s():
-    """int cos(angle) D = s/(s + 1), int cos(2 angle) D = s (s - 1)/((s + 1)(s + 2)); many directions."""
-    s, angles = 6.0, np.radians(Spreading(s=6.0, directions=36).angles)
-    assert np.mean(np.cos(angles)) == pytest.approx(s / (s + 1), rel=5e-3)
-    assert np.mean(np.cos(2 * angles)) == pytest.approx(s * (s - 1) / ((s + 1) * (s + 2)), rel=2e-2)
-    assert np.mean(np.sin(angles)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_excitation_of_every_component_is_that_of_its_direction():

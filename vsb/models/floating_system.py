@@ -39,7 +39,7 @@ from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
 from vsb.engine.shell.orders import OrderBasis
 from vsb.engine.shell.rings import HIGHEST
-from vsb.engine.waves.kinds import Wave
+from vsb.engine.waves.kinds import Irregular, Wave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
@@ -304,17 +304,27 @@ def _within_band(study: Study, wave: Wave, ds: xr.Dataset, duration: float) -> S
     return found if kept.all() else found.part(kept)
 
 
+def narrow_band(wave: Irregular) -> float:
+    """Return the width of the bands of `expected_sea` [rad/s], a power of two, which neighbouring seas share."""
+    return float(2.0 ** np.floor(np.log2(wave.resolution)))
+
+
+TURN = 4
+"""Bands of a spread sea to one of a long-crested sea, at least, and of these in a round of all directions, at most."""
+
+
 def expected_sea(study: Study, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea whose components carry its spectrum: mean powers in it are expectations, whatever is simulated.
 
-    Bands are narrower than any resonance that matters, and those of neighbouring seas are the same. A record of
-    elevations is all the sea there is: expectations are means over the whole of it.
+    Bands are narrower than any resonance that matters, and those of neighbouring seas are the same; of a spread sea
+    they are narrower still, for its directions take turns. A record of elevations is all the sea there is: expectations
+    are means over the whole of it.
     """
     if not wave.drawn:
         return study_sea(study, wave, ds)
-    width = 2.0 ** np.floor(np.log2(wave.resolution))
-    spectral = wave.expected.model_copy(update={"seed": 1})  # which a spread sea takes its directions by
-    return _within_band(study, spectral, ds, 2 * np.pi / (1.1 * width))
+    width = narrow_band(wave) / (max(TURN, -(-wave.parts_around // TURN)) if wave.spreads else 1)
+    found = _within_band(study, wave.expected, ds, 2 * np.pi / (1.1 * width))
+    return replace(found, heading=wave.even_headings(found.omega)) if wave.spreads else found
 
 
 def heading(wave: Wave) -> float:

@@ -19,9 +19,8 @@ from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import best_dampers
 from vsb.engine.waves.kinds import Irregular, Wave
 from vsb.engine.waves.seas import RESOLVED, Sea
-from vsb.engine.waves.spectrum_table import PARTS
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.models.floating_system import AtFrequencies, FloatingSystem, heading, heading_in, port_in_seas
+from vsb.models.floating_system import AtFrequencies, FloatingSystem, heading, narrow_band, port_in_seas
 from vsb.models.take_off import dragged_port
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray
@@ -46,10 +45,11 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     Notes
     -----
     Outside the band ports have the coefficients of its nearest end. Of a record and of white noise the spectrum is
-    taken at frequencies of its own, of a record averaged (`vsb.engine.waves.kinds.RecordedSea.density`). The directions
-    of a spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
-    Buoys with several ports are of revolution, and answer waves of all directions alike.
+    taken at frequencies of its own, of a record averaged (`vsb.engine.waves.kinds.RecordedSea.density`), and of a
+    spread sea: the density of the free velocity is the sum of those of its directions. Buoys with several ports are of
+    revolution, and answer waves of all directions alike.
     """
+    going = wave.shares_around if wave.drawn and sea.heading is not None and floating.port.ndim == 1 else None
     sea, spacing, at, count = _on_grid(floating, wave, sea)
 
     def seen(equation: LinearEquation) -> Mapping[str, Port | Ports]:
@@ -57,19 +57,16 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
 
     linear = floating.towards(heading(wave))
     near, far = (seen(linear.extended_equation(omega)) for omega in grid(spacing, count))
-    free = {design: port.velocity[at] for design, port in near.items()}
-    spread = sea.heading is not None and floating.port.ndim == 1
-    if spread:
-        there = seen(floating.towards(heading_in(wave, sea)).equation(sea.omega))
-        free = {design: port.velocity for design, port in there.items()}
-    spreading = wave.spreading if wave.drawn else None
-    found = {}
+    spectrum, found = np.abs(sea.amplitude) ** 2 / (2 * spacing), {}
+    own = {design: free_density(port.velocity[at], spectrum) for design, port in near.items()}
+    if going is not None:
+        own = dict.fromkeys(own, np.zeros(len(at)))
+        for direction, share in going(sea.omega):
+            for design, port in seen(floating.towards(direction).equation(sea.omega)).items():
+                own[design] = own[design] + share * free_density(port.velocity, spectrum)
     for design, port in near.items():
-        own = free_density(free[design], np.abs(sea.amplitude) ** 2 / (2 * spacing))
-        density = np.zeros((count, *own.shape[1:]), dtype=own.dtype)
-        density[at] = own
-        if spread:
-            density = _averaged(density, spreading.directions if spreading else PARTS)
+        density = np.zeros((count, *own[design].shape[1:]), dtype=own[design].dtype)
+        density[at] = own[design]
         found[design] = continued(spacing, port, far[design], density)
     return found
 
@@ -138,9 +135,9 @@ def optimum_with_drag(
 
 def _on_grid(floating: FloatingSystem, wave: Irregular, sea: Sea) -> tuple[Sea, float, IntArray, int]:
     """A sea, the spacing of a controller's frequencies, the places of its components, and how many the band has."""
-    if not wave.even_components:
+    if not wave.even_components or sea.heading is not None:
         low, high = floating.band  # components at the centres of equal bands that begin at zero
-        width = RESOLVED * wave.omega
+        width = narrow_band(wave) if wave.even_components else RESOLVED * wave.omega
         omega = (np.arange(int(high / width)) + 0.5) * width
         omega = omega[omega >= low]
         sea = Sea(omega, np.sqrt(2 * wave.density(omega) * width).astype(complex))
@@ -263,14 +260,3 @@ def loop_rates(scene: Scene, design: str) -> ComplexArray:
             "lower pto.force_limit, or raise pto.control.noise"
         )
     return np.asarray(rates)
-
-
-def _averaged(density: FloatArray, parts: int) -> FloatArray:
-    """A density averaged over a round of directions, without what an average flattens of a peak, to second order.
-
-    Twice the average less the average of it (twicing, Tukey 1977); a density is not below zero.
-    """
-    kernel = np.full(parts + 1, 1 / parts)
-    kernel[[0, -1]] /= 2
-    once = np.convolve(density, kernel, mode="same")
-    return np.asarray(np.maximum(2 * once - np.convolve(once, kernel, mode="same"), 0.0))

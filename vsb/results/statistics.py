@@ -111,15 +111,12 @@ class Sample(NamedTuple):
     linear: float  # expected by linear theory of the sea [W]
     components: ComplexArray  # u, |u|^2 their expected powers by linear theory (component, load) [W^0.5]
     spacing: float  # of the components in frequency [rad/s]
+    drag: float = 1.0  # expected power with the equivalent dampers of drag over that without [-]
 
     @property
     def linear_record(self) -> float:
-        """Mean power of linear theory in the same waves and window [W].
-
-        With drag, `linear` is that with its equivalent dampers, and scaled by the ratio without drag.
-        """
-        undragged = float(np.sum(np.abs(self.components) ** 2))
-        return self.linear * float(self.linear_batches.mean()) / undragged if undragged else 0.0
+        """Mean power of linear theory in the same waves and window [W]."""
+        return self.drag * float(self.linear_batches.mean())
 
 
 def sample(
@@ -152,7 +149,7 @@ def sample(
         here = in_direction(response, going)
         transfer = power_waves(study, here, design, run.attrs)
         found.append((mine, CubicSpline(transfer.omega.values, transfer.values)(sea.omega[mine])))
-    linear = float(run.attrs.get(LINEARISED, linear))
+    drag = float(run.attrs.get(LINEARISED, linear)) / linear if linear else 1.0
     absorbed = np.zeros((len(sea.omega), found[0][1].shape[1]), dtype=complex)
     for mine, values in found:
         absorbed[mine] = values
@@ -160,7 +157,7 @@ def sample(
     alike = linear_batches(sea.omega, absorbed * sea.amplitude[:, None], window, len(batches))
     components = np.sqrt(0.5) * absorbed * np.abs(spectral.amplitude)[:, None]
     spacing = float(np.ptp(sea.omega)) / max(len(sea.omega) - 1, 1)
-    return Sample(batches, alike, linear, components, spacing)
+    return Sample(batches, alike, drag * linear, components, spacing, drag)
 
 
 def linear_batches(omega: FloatArray, absorbed: ComplexArray, window: tuple[float, float], count: int) -> FloatArray:
@@ -313,7 +310,7 @@ def together(some: Sequence[Sample]) -> Sample:
     """The realisations of a sea one after the other; their components are the same."""
     batches, linear_batches = (np.concatenate([getattr(one, name) for one in some]) for name in Sample._fields[:2])
     linear = float(np.mean([one.linear for one in some]))
-    return Sample(batches, linear_batches, linear, some[0].components, some[0].spacing)
+    return Sample(batches, linear_batches, linear, *some[0][3:])
 
 
 def _half_width(samples: FloatArray, records: Sequence[Sample], realisations: int, length: float) -> float | None:

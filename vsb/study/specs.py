@@ -20,9 +20,9 @@ from vsb.study.study import Study
 from vsb.study.vary import Vary
 
 PHYSICS = {
-    "block": 5, "body": 1, "campaign": 4, "compare": 9, "database": 2, "design_front": 14,
-    "design_results": 16, "design_start": 16, "design_verification": 8, "ladder": 20, "member": 18,
-    "members": 1, "mesh": 2, "radiation": 4, "response": 11, "simulate": 17, "verification": 8, "witness": 2,
+    "block": 5, "body": 1, "campaign": 4, "compare": 10, "database": 2, "design_front": 14,
+    "design_results": 16, "design_start": 16, "design_verification": 8, "ladder": 21, "member": 18,
+    "members": 1, "mesh": 2, "radiation": 4, "response": 12, "simulate": 18, "verification": 8, "witness": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 RUN_BY = {tag: PHYSICS[tag] for tag in ("member", "database", "radiation", "simulate")}

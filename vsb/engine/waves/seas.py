@@ -19,7 +19,7 @@ from vsb.engine.waves.water import Water, group_velocity
 from vsb.errors import ConfigError
 from vsb.keys.meanings import Key
 from vsb.keys.quantities import Brief, Count, Number, Positive, Section, content_id, within
-from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 FEW = 32
 """Up to this number components are summed directly."""
@@ -438,6 +438,12 @@ class IrregularSea(Travelling):
         return omega, np.sqrt(2 * self.variances(omega - width / 2, omega + width / 2))
 
 
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Golden ratio, whose multiples modulo one are spread most evenly."""
+FEWEST_OF_MOMENTS, MOST_STEPS = 7, 12
+"""Directions from which on two moments of a spreading are kept; steps of Newton's method, which needs up to seven."""
+
+
 class Spreading(Section):
     """Waves spread about their mean direction, cos^2s of half the angle (Longuet-Higgins), in some directions."""
 
@@ -450,7 +456,28 @@ class Spreading(Section):
 
     @property
     def angles(self) -> tuple[float, ...]:
-        """Directions from the mean [degrees], ascending: in the middle of parts of equal energy."""
+        """Directions from the mean [degrees], ascending: about the middles of parts of equal energy.
+
+        The middles themselves, of nine directions and s = 10, would absorb 1.4 % too much at a surging port. They are
+        moved, x to (a + b x^2) x, until the means of cos theta and cos 2 theta, which the power of a buoy of revolution
+        goes with, are those of the law, s/(s + 1) and s(s - 1)/((s + 1)(s + 2)); of few directions the second alone.
+        """
+        middles, s = np.array(self._middles), self.s
+        orders = np.array([1, 2] if self.directions >= FEWEST_OF_MOMENTS else [2])
+        wanted = {1: 1 / (s + 1), 2: (4 * s + 2) / ((s + 1) * (s + 2))}  # means of 1 - cos
+        shape = middles[:, None] ** (2 * np.arange(len(orders)) + 1)
+        shape *= middles[-1] / shape[-1]
+        moved = np.eye(len(orders))[0]
+        for _ in range(MOST_STEPS):
+            turned = np.outer(orders, shape @ moved)
+            off = 2 * np.mean(np.sin(turned / 2) ** 2, axis=1) - [wanted[order] for order in orders]
+            slopes = (orders[:, None] * np.sin(turned)) @ shape / len(middles)
+            moved = moved - np.linalg.solve(slopes, off)
+        return tuple(np.degrees(shape @ moved).tolist())
+
+    @property
+    def _middles(self) -> list[float]:
+        """Middles of parts of equal energy, from the mean direction [rad], ascending."""
         steps = 2 * math.ceil(500 * math.sqrt(self.s))
         half = [math.pi * i / steps for i in range(steps + 1)]  # of the circle, its density even
         density = [math.cos(angle / 2) ** (2 * self.s) for angle in half]
@@ -462,8 +489,8 @@ class Spreading(Section):
             wanted = (2 * k + 1 - self.directions) / self.directions * energy[-1]  # from the mean, of either sign
             i = bisect.bisect_left(energy, abs(wanted), 1, steps)
             part = (abs(wanted) - energy[i - 1]) / (energy[i] - energy[i - 1])
-            found.append(math.copysign(math.degrees(half[i - 1] + part * (half[i] - half[i - 1])), wanted))
-        return tuple(found)
+            found.append(math.copysign(half[i - 1] + part * (half[i] - half[i - 1]), wanted))
+        return found
 
 
 class SpectralSea(Brief, IrregularSea):
@@ -561,10 +588,16 @@ class SpectralSea(Brief, IrregularSea):
         """Parts of equal energy that the directions of a spread sea are drawn from in turn."""
         return self.spreading.directions if self.spreading else 1
 
-    def angles_at(self, omega: FloatArray, part: FloatArray, random: np.random.Generator) -> FloatArray:
+    def angles_at(self, omega: FloatArray, part: IntArray, random: np.random.Generator) -> FloatArray:
         """Return the angles from `direction` of parts of a spread sea at frequencies, shape (omega,) [degrees]."""
         assert self.spreading is not None
         return np.asarray(np.array(self.spreading.angles)[part])
+
+    def shares_around(self, omega: FloatArray) -> list[tuple[float, FloatArray]]:
+        """Return the directions of a spread sea [degrees], and what part of the energy at frequencies goes to each."""
+        assert self.spreading is not None
+        angles = self.spreading.angles
+        return [(round(self.direction + angle, 6), np.full(len(omega), 1 / len(angles))) for angle in angles]
 
     def headings(self, omega: FloatArray) -> FloatArray | None:
         """Return the direction of each component of a spread sea, (omega,) [degrees]; None of a long-crested one.
@@ -579,7 +612,21 @@ class SpectralSea(Brief, IrregularSea):
         random = np.random.default_rng([self.seed, 1])
         rounds = -(-len(omega) // parts)
         order = np.concatenate([random.permutation(parts) for _ in range(rounds)])[: len(omega)]
-        return np.asarray(np.round(self.direction + self.angles_at(omega, order, random), 6))
+        return self.headings_of(omega, order, random)
+
+    def headings_of(self, omega: FloatArray, part: IntArray, random: np.random.Generator) -> FloatArray:
+        """Return the directions of parts of a spread sea at frequencies, shape (omega,) [degrees]."""
+        return np.asarray(np.round(self.direction + self.angles_at(omega, part, random), 6))
+
+    def even_headings(self, omega: FloatArray) -> FloatArray:
+        """Return likewise directions that take turns most evenly, whatever the seed, for expectations.
+
+        The order of a round is that of multiples of the golden ratio modulo one, so that each part of it has all
+        directions; every other round is turned round, so that no slope of the spectrum favours a direction.
+        """
+        order = np.argsort(np.arange(self.parts_around) * GOLDEN % 1.0)
+        part = np.resize(np.concatenate([order, order[::-1]]), len(omega))
+        return self.headings_of(omega, part, np.random.default_rng(1))
 
 
 class SeaFile(Brief):

@@ -15,7 +15,7 @@ from vsb.errors import ConfigError
 from vsb.keys.meanings import Key
 from vsb.keys.quantities import Finite, NonNegative, Positive
 from vsb.tools import units
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.columns import Columns, read_columns
 from vsb.tools.units import Frequency, number
 from vsb.tools.words import shortened
@@ -145,10 +145,14 @@ class SpectrumTable(SeaFile):
         first, last = self.variance_below(np.array([low, high]))
         return 1 - float(last - first) / self.variance
 
+    def energy_at(self, omega: FloatArray) -> FloatArray:
+        """Return the density of each direction at frequencies, shape (direction, omega), in a unit of its own."""
+        energy = np.asarray(self.variance_density)[:, None] * np.asarray(self.shares)
+        return np.array([np.interp(omega, self.omega, one) for one in energy.T])
+
     def direction_at(self, omega: FloatArray, share: FloatArray) -> FloatArray:
         """Return the directions below which a share of the energy at each frequency lies, shape (omega,) [degrees]."""
-        energy = np.asarray(self.variance_density)[:, None] * np.asarray(self.shares)
-        below = np.cumsum([np.interp(omega, self.omega, one) for one in energy.T], axis=0)  # (direction, omega)
+        below = np.cumsum(self.energy_at(omega), axis=0)
         directions: FloatArray = np.asarray(self.directions)[np.argmax(below >= share * below[-1], axis=0)]
         return directions
 
@@ -358,7 +362,17 @@ class TabulatedSea(SeaOfFile, SpectralSea):
         """Parts of equal energy that the directions of the sea are drawn from in turn."""
         return super().parts_around if self.spreading else PARTS
 
-    def angles_at(self, omega: FloatArray, part: FloatArray, random: np.random.Generator) -> FloatArray:
+    def shares_around(self, omega: FloatArray) -> list[tuple[float, FloatArray]]:
+        """Return the directions of a spread sea [degrees], and what part of the energy at frequencies goes to each."""
+        if self.spreading:
+            return super().shares_around(omega)
+        energy = self.file.energy_at(omega)
+        whole = energy.sum(axis=0)
+        shares = np.divide(energy, whole, out=np.zeros_like(energy), where=whole > 0)
+        going = (round(self.direction + one, 6) for one in self.file.directions)
+        return list(zip(going, shares, strict=True))
+
+    def angles_at(self, omega: FloatArray, part: IntArray, random: np.random.Generator) -> FloatArray:
         """Return the angles of parts at frequencies: of the energy of the file there, unless the sea is spread."""
         if self.spreading:
             return super().angles_at(omega, part, random)
