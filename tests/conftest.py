@@ -160,7 +160,7 @@ FIRST, LAST = ("hydro",), ("keys", "shell", "study", "tools", "waves")
 def pytest_collection_modifyitems(items):
     """Put the workflow's tests first, the longest; beside them those that compile most loops; short files last.
 
-    What comes next compiles none, so that no loop is compiled by two workers at the same time.
+    What comes next compiles none, so that no worker waits for loops that another one compiles.
     """
 
     def rank(item):

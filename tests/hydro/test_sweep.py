@@ -163,8 +163,8 @@ def test_points_and_solves_both_follow_from_the_tolerance(tolerance, step, solve
 
 
 def test_unreachable_tolerance_is_refused():
-    with pytest.raises(ConvergenceError, match=r"hydro.tolerance: received 1e-20, the spectral solver reaches .* 256"):
-        resolved(problem(64), OMEGA[:1], 1e-20)
+    with pytest.raises(ConvergenceError, match=r"hydro.tolerance: received 1e-20, the spectral solver reaches .* 128"):
+        resolved(problem(64), OMEGA[:1], 1e-20, 128)
 
 
 BAND = np.linspace(0.1, 12.0, 400)

@@ -175,9 +175,10 @@ def test_laws_act_on_ports_of_the_shell(seed, tmp_path_factory):
         )
         found = SCENES["linear"](only_run(study), hydro_files(study, tmp_path_factory.getbasetemp() / "latching"))
         (leg,) = legs(found.system, found.sea, study.simulation, None)
-        ends = [one.end for one in legs(found.system, found.sea, study.simulation, None, longest=500)]
-        assert len(ends) > 1  # a run in several legs ends in the same state
-        np.testing.assert_allclose(ends[-1][0], leg.end[0], atol=1e-5 * np.abs(leg.motion.position).max())
+        if "stroke_limit" in pto:  # a run in several legs ends in the same state
+            ends = [one.end for one in legs(found.system, found.sea, study.simulation, None, longest=500)]
+            assert len(ends) > 1
+            np.testing.assert_allclose(ends[-1][0], leg.end[0], atol=1e-5 * np.abs(leg.motion.position).max())
         assert leg.balance.residual < 1e-6
         b = found.scene.forces["pto"].direction
         force = found.system.forces(leg.motion)["pto"] @ b / (b @ b)
