@@ -6,10 +6,13 @@ import shutil
 from pathlib import Path
 
 import pytest
+from conftest import tables_of
 from stages.test_members import batches, gather, planned, with_seas
 
 from vsb.cli import main
 from vsb.errors import ConfigError
+from vsb.pipeline.graph import StudyPlan
+from vsb.stages.make import make
 from vsb.stages.side_by_side import compare, left_out, lines
 from vsb.tools.files import load
 
@@ -43,6 +46,21 @@ def test_study_at_a_given_damper_is_also_compared_as_it_ran(small):
     columns = ("power_mean", "power_low", "power_high", "damping", "capture_width")
     for one, row in zip(found, rows, strict=True):
         assert [getattr(one, name) for name in columns] == pytest.approx([float(row[name]) for name in columns])
+
+
+def test_powers_of_a_study_with_losses_are_all_after_conversion(small, finished):
+    """Of a linear take-off, efficiency times those without losses, at the optimal damping and at the given one."""
+    pto = small.study.pto.model_copy(update={"efficiency": 0.8})
+    lossy = StudyPlan(small.study.model_copy(update={"study": "lossy", "pto": pto}))
+    tables_of(lossy)
+    make(lossy, [f"{lossy.folder}/tables.json"])
+    without, found = lines([small]), lines([lossy])
+    assert [(one.design, one.tuning) for one in found] == [(one.design, one.tuning) for one in without]
+    assert {one.tuning for one in found} == {"each", "fixed"}
+    for one, other in zip(found, without, strict=True):
+        for key in ("power_mean", "power_low", "power_high", "capture_width"):
+            assert getattr(one, key) == pytest.approx(0.8 * getattr(other, key), rel=1e-6)
+        assert one.gain_percent == pytest.approx(other.gain_percent, rel=1e-6)
 
 
 def test_campaign_is_compared_over_its_year(year):

@@ -63,6 +63,7 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
         )
         ends = (row["best_power_low"], row["best_power_high"], row["best_low"], row["best_high"])
         yield Line(name, "", row["design"], row["sea"], "each", *numbers, *ends)
+    after = {(row["design"], row["sea"]): row for row in found["equal_tuning"]}
     listed: set[str] = set()
     for wave in plan.study.waves:
         tuning, sea = plan.study.tuning(wave), wave.family  # one for all realisations, which have one mean power
@@ -74,11 +75,20 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
             if row["wave"] == wave.label:
                 power, gain, damping, width, *within = (_known(row.get(key)) for key in OF_RUNS)
                 under = tuning if of_damper else plan.study.pto.law
+                if plan.study.pto.efficiency < 1 and power:  # runs are before conversion, other lines after it
+                    own = after.get((row["design"], sea)) if of_damper else None
+                    if own is None or own["power"] is None:
+                        under += ", before conversion"
+                    else:
+                        width = None if width is None else width * own["power"] / power
+                        power, gain, damping, *within = (_known(own[key]) for key in AFTER_CONVERSION)
                 yield Line(name, "", row["design"], sea, under, power, gain, damping, width, None, unit, *within)
 
 
 OF_RUNS = ("power_mean", "power_gain_percent", "damping", "capture_width", "power_low", "power_high", "low", "high")
 """Columns of the comparison that a line has."""
+AFTER_CONVERSION = ("power", "gain_percent", "damping", "power_low", "power_high", "low", "high")
+"""Those of designs at equal tuning, at the damping of the runs."""
 
 
 def _width(plan: AnyPlan, found: dict[str, list[dict[str, Any]]], row: dict[str, Any]) -> float | None:
