@@ -204,11 +204,7 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     """Run from the text of its specification; that of another version is refused."""
     monkeypatch.setitem(specs.PHYSICS, "draft", 1)
     made = recipe(
-        "A stage of the workflow",
-        Stamp=Stamp,
-        StudyPart=specs.StudyPart,
-        write_text=write_text,
-        record=record,
+        "A stage of the workflow", Stamp=Stamp, StudyPart=specs.StudyPart, write_text=write_text, record=record
     )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
     monkeypatch.setitem(STAGES, "draft", Stage("modes", "draft", "how deep a buoy lies"))

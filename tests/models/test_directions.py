@@ -209,8 +209,7 @@ def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit)
 
 
 @pytest.mark.parametrize(
-    ("port", "mooring"),
-    [("surge", None), pytest.param("pitch", [2e4, 0, 0, 0, 0, 0], marks=pytest.mark.slow)],
+    ("port", "mooring"), [("surge", None), pytest.param("pitch", [2e4, 0, 0, 0, 0, 0], marks=pytest.mark.slow)]
 )
 def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     """A damper on surge or pitch, moored or unrestrained."""

@@ -48,10 +48,7 @@ RHO, G = 1025.0, 9.81
 def pressurised(seed):
     """The seed's shell at an internal pressure that carries it."""
     return varied(
-        seed,
-        device={"internal_pressure": 16.5e3},
-        modes={"basis": "full", "degree": 4},
-        reference_shape="equilibrium",
+        seed, device={"internal_pressure": 16.5e3}, modes={"basis": "full", "degree": 4}, reference_shape="equilibrium"
     )
 
 

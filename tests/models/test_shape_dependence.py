@@ -133,11 +133,7 @@ def test_power_at_rest_is_that_of_the_equilibrium_shape(dataset, small, referenc
 
 @pytest.mark.parametrize(
     ("passed", "rest", "verdict"),
-    [
-        (0.009, -0.009, "may be ignored"),
-        (0.05, 0.009, "averages out"),
-        (0.009, 0.011, "matters"),
-    ],
+    [(0.009, -0.009, "may be ignored"), (0.05, 0.009, "averages out"), (0.009, 0.011, "matters")],
 )
 def test_verdict_on_shape_dependence(passed, rest, verdict, dataset):
     # the data set with other powers of one run, in terms of that of the reference shape

@@ -17,15 +17,7 @@ from vsb.report.campaign_answer import (
     where,
     whole_answer,
 )
-from vsb.report.campaign_page import (
-    pareto,
-    power_matrices,
-    render,
-    statements,
-    sweep,
-    tuned_power,
-    warnings,
-)
+from vsb.report.campaign_page import pareto, power_matrices, render, statements, sweep, tuned_power, warnings
 from vsb.report.canvas import style, svg_text
 from vsb.results.campaign import TABLE_OF_SEAS
 

@@ -16,13 +16,7 @@ from vsb.errors import VsbError
 from vsb.models.floating_system import expected_sea
 from vsb.models.stationary import stationary_ports
 from vsb.results.budget import Budget, Source, mean_budget
-from vsb.results.gains import (
-    elsewhere,
-    equal_tuning,
-    fair_damping_checks,
-    reference_power_checks,
-    within_limits,
-)
+from vsb.results.gains import elsewhere, equal_tuning, fair_damping_checks, reference_power_checks, within_limits
 from vsb.results.ladder import ControlLevel
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}

@@ -83,8 +83,7 @@ def test_advised_internal_pressure_passes_the_checks(seed, radius, slenderness, 
 
 
 @pytest.mark.parametrize(
-    ("pressure", "verdict"),
-    [pytest.param(14.0e3, "fail", marks=pytest.mark.slow), (14.6e3, "doubt"), (16.4e3, "ok")],
+    ("pressure", "verdict"), [pytest.param(14.0e3, "fail", marks=pytest.mark.slow), (14.6e3, "doubt"), (16.4e3, "ok")]
 )
 def test_nonlinear_path_decides_on_viability(seed, pressure, verdict):
     """The seed's shell is stable from 14.3 kPa on, by linear buckling from 16.32 kPa."""

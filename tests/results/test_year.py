@@ -114,10 +114,7 @@ def test_dataset_of_the_year_is_consistent():
     assert ds.capture_width.values == pytest.approx(width.values, rel=1e-12)
 
 
-@given(
-    hnp.arrays(float, (3, 2), elements=st.floats(0.1, 10.0)),
-    st.sampled_from([1e-9, 1e-3, 1e6]),
-)
+@given(hnp.arrays(float, (3, 2), elements=st.floats(0.1, 10.0)), st.sampled_from([1e-9, 1e-3, 1e6]))
 def test_gains_do_not_depend_on_units(power, scale):
     """However small the power; there is no gain over zero."""
     found = gain_percent(scale * power, 1)

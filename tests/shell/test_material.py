@@ -316,10 +316,7 @@ def ring_held(colatitude, degree):
     return null_space(rows)
 
 
-@pytest.mark.parametrize(
-    ("law", "kind"),
-    [("gent", "near lock-up"), ("mooney_rivlin", "held"), ("neo_hookean", "gas")],
-)
+@pytest.mark.parametrize(("law", "kind"), [("gent", "near lock-up"), ("mooney_rivlin", "held"), ("neo_hookean", "gas")])
 def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law, kind):
     random, (of, energy) = np.random.default_rng([len(law), len(kind)]), RANDOM[law]
     thickness, mu = random.uniform(0.04, 0.08), random.uniform(0.9e6, 1.5e6)

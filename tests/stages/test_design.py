@@ -28,14 +28,7 @@ from vsb.pipeline.jobs import rules
 from vsb.pipeline.plans import DesignPlan, plan_of
 from vsb.report import design_page
 from vsb.report.design_answer import answer, fronts, where_it_gains
-from vsb.report.design_page import (
-    buoys_table,
-    front_table,
-    limits_table,
-    power_budget_table,
-    variables_table,
-    warnings,
-)
+from vsb.report.design_page import buoys_table, front_table, limits_table, power_budget_table, variables_table, warnings
 from vsb.results.budget import MODES
 from vsb.results.year import POWER_ENDS
 from vsb.stages.check import read_climate
