@@ -222,6 +222,7 @@ def matrix(args: argparse.Namespace) -> int:
     """
     from vsb.api.results import Results
     from vsb.api.results import open as opened
+    from vsb.report.answer import limits_aside
     from vsb.tools.files import write_text
     from vsb.tools.stamps import check_table
     from vsb.tools.words import csv_text
@@ -235,7 +236,8 @@ def matrix(args: argparse.Namespace) -> int:
     for design in map(str, found.design.values):
         table = (found.power_matrix.sel(design=design) / 1e3).to_pandas().map("{:.3g}".format)
         print(f"{design}: mean power [kW] over Hs [m], down, and Te [s], across", table.to_string(), sep="\n")
-    print("by linear theory: not valid of steep seas, Hs above 0.05 wavelengths, and of heave above 0.3 radii")
+    aside = limits_aside(results.study.pto.model_dump())
+    print(f"by linear theory{aside}: not valid of steep seas, Hs above 0.05 wavelengths, and of heave above 0.3 radii")
     if args.out:
         rows = found.drop_vars("tuning").to_dataframe().reset_index()
         write_text(args.out, csv_text(head, rows[["design", "hs", "te", *found.data_vars]].to_numpy().tolist(), 9))

@@ -48,7 +48,7 @@ def test_study_at_a_given_damper_is_also_compared_as_it_ran(small):
         assert [getattr(one, name) for name in columns] == pytest.approx([float(row[name]) for name in columns])
 
 
-def test_powers_of_a_study_with_losses_are_all_after_conversion(small, finished):
+def test_powers_of_a_study_with_losses_are_all_after_conversion(small, capsys):
     """Of a linear take-off, efficiency times those without losses, at the optimal damping and at the given one."""
     pto = small.study.pto.model_copy(update={"efficiency": 0.8})
     lossy = StudyPlan(small.study.model_copy(update={"study": "lossy", "pto": pto}))
@@ -61,6 +61,9 @@ def test_powers_of_a_study_with_losses_are_all_after_conversion(small, finished)
         for key in ("power_mean", "power_low", "power_high", "capture_width"):
             assert getattr(one, key) == pytest.approx(0.8 * getattr(other, key), rel=1e-6)
         assert one.gain_percent == pytest.approx(other.gain_percent, rel=1e-6)
+    make(lossy, [f"{lossy.folder}/study.json"])
+    assert main(["matrix", lossy.folder]) == 0
+    assert "by linear theory, after conversion with an efficiency of 0.8: not valid" in capsys.readouterr().out
 
 
 def test_campaign_is_compared_over_its_year(year):
