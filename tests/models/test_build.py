@@ -282,6 +282,7 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
 def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory, monkeypatch):
     """Lighter than the optimal damper alone, and it absorbs more."""
     monkeypatch.setattr("vsb.models.build.PAIRED", 2)
+    monkeypatch.setattr("vsb.models.build.KNOWN", 0.1)
     monkeypatch.setattr("vsb.models.build.ROUNDS", 1)
     monkeypatch.setattr("vsb.engine.integrators.switching.MOST", 16)
     study = varied(

@@ -87,13 +87,12 @@ def test_every_surface_shows_one_power_with_its_interval(plain):
     assert power(best.power_mean, best.low, best.high) in repr(results)
 
 
-LIMITS = {"stroke": {"stroke_limit": 50.0}, "force": {"law": "saturated", "force_limit": 1e8}}
+LIMITS = {"stroke_limit": 50.0, "law": "saturated", "force_limit": 1e8}
 
 
-@pytest.mark.parametrize("name", LIMITS)
-def test_a_limit_that_is_never_reached_changes_nothing(table, plain, name):
+def test_limits_that_are_never_reached_change_nothing(table, plain):
     """The spring, whose reactive power is not absorbed, among it."""
-    found = table(name, pto=STUDY["pto"] | LIMITS[name])
+    found = table("limits", pto=STUDY["pto"] | LIMITS)
     for column in (*OF_RECORD, *OF_SEA):
         assert found[column].values == pytest.approx(plain[column].values, rel=1e-6), column
 
@@ -181,9 +180,8 @@ def test_a_spring_moved_from_the_take_off_to_the_mooring_changes_no_power(of_bar
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LIMITS)
-def test_a_limit_that_a_body_never_reaches_changes_nothing(of_barge, plain_barge, name):
-    found = of_barge(name, pto=BARGE["pto"] | LIMITS[name])
+def test_limits_that_a_body_never_reaches_change_nothing(of_barge, plain_barge):
+    found = of_barge("limits", pto=BARGE["pto"] | LIMITS)
     for column in (*OF_RECORD, *OF_SEA):
         assert found[column].values == pytest.approx(plain_barge[column].values, rel=1e-6), column
 
