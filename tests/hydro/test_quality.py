@@ -64,6 +64,20 @@ def test_each_check_finds_its_fault(perfect, name):
     assert name in failed(damaged(perfect, *DAMAGES[name]))
 
 
+def test_shape_beside_a_load_is_judged_though_its_limit_is_seen_from_within_the_band(perfect):
+    """Its added mass at infinity follows from its other coefficients, whatever they are: these are not."""
+    beside = {key: ["Ring1", "Heave"] for key in ("influenced_dof", "radiating_dof")}
+
+    def judged(ds):
+        ds.added_mass_inf.values[0] = ds.added_mass_inf.values[:, 0] = quality.by_ogilvie(ds)[0]
+        return {check.name: check.verdict for check in quality.sweep_checks(ds.assign_coords(beside))}
+
+    limit = perfect.added_mass_inf.values[0, 0]
+    wrong = damaged(perfect, "added_mass", lambda a: a[:, 0, 0].__iadd__(0.4 * (a[:, 0, 0] - limit)))
+    assert judged(perfect)["kramers_kronig"] == "ok"
+    assert judged(wrong)["kramers_kronig"] == "fail"
+
+
 def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     wrong = damaged(perfect, *DAMAGES["haskind"])
     with pytest.raises(DatabaseError, match=r"check 'haskind' failed: 0.21, needs at most 0.05 \(damping follows"):
