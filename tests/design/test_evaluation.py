@@ -20,10 +20,10 @@ from vsb.engine.motion.take_off import SeveralPorts
 from vsb.engine.motion.tuning import best_matrix, powers_of_all, priced_matrix
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.models.rest import loaded_at_ring, stiffness_about
+from vsb.models.rest import stiffness_about
 from vsb.study.campaign import sections
 from vsb.study.design import PARTS, Fatigue
-from vsb.study.resolution import expected_change
+from vsb.study.resolution import expected_change, loaded_at_ring
 from vsb.study.sections import Modes
 
 RUBBER = {

@@ -378,6 +378,37 @@ def test_water_beside_the_waterline_makes_few_modes_enough(seed, shape, port):
     assert wet.max() < dry.max() / 10
 
 
+@pytest.mark.parametrize(("clamp", "port"), [((), {"colatitude": 90.0}), ((25.5,), "heave")])
+def test_thin_wall_that_waves_hardly_bend_yields_in_water_beside_its_clamp_or_port(seed, clamp, port):
+    """Of r/h 257, 50 times as stiff as the water: six degrees by default, against all to degree 60; dry 0.9 and 4 % off."""
+    thin = {"thickness": 2 / 257, "young_modulus": 2.6e8, "density": 1100.0}
+    study = varied(
+        seed, device=thin, designs={"VSWEC": {"clamp": clamp}}, modes={"basis": "full", "degree": None},
+        pto={"port": port, "damping": None, "tuning": "each"}, waves=regular(3.0, 2.2),
+    )  # fmt: skip
+    study = StudyPlan(study).with_degree().study
+    assert study.modes.degree == DEGREES[0]
+    few, many, dry = (
+        replace(searched(study), wet=wet).powers(Modes(basis="full", degree=n))[0, :, 1]
+        for n, wet in ((6, wets_rings(study)), (60, True), (6, False))
+    )
+    assert few == pytest.approx(many, rel=1e-3)
+    assert np.abs(dry / many - 1).max() > 5e-3
+
+
+def test_interval_of_few_degrees_holds_all_that_yield_beside_a_clamp(seed):
+    """Of r/h 831, whose wall yields by degrees to 52: from 6 to 12 power changes by a fifth of what all do."""
+    thin = {"thickness": 2 / 831, "young_modulus": 5.4e8, "density": 1100.0}
+    study = varied(
+        seed, device=thin, designs={"VSWEC": {"clamp": 90}}, modes={"basis": "full", "degree": 6},
+        pto={"port": {"colatitude": 154.7}, "damping": None, "tuning": "each"}, waves=regular(1.7),
+    )  # fmt: skip
+    seas = [(wave, wave.realisation(12.0, 0.0)) for wave in study.waves]
+    low, high = modes_left_out(study, seas, wet=wets_rings(study)).power.values[0, 0, 1]
+    few, many = (replace(searched(study), wet=True).powers(Modes(basis="full", degree=n))[0, 0, 1] for n in (6, 60))
+    assert low < many / few - 1 < high < 0.005
+
+
 @pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 3.6}}}])
 def test_database_and_shared_water_know_the_same_of_rings(seed, tmp_path, shape):
     """Of designs that load further rings, too: their modes leave those of the port, which see the water, as they are."""
@@ -403,6 +434,7 @@ def test_water_beside_rings_is_of_soft_walls_and_ports_that_bend_them_and_of_the
     between, above = {"port": {"between": [0.0, 180.0]}}, {"port": {"colatitude": 60.0}}
     assert wets_rings(varied(seed, pto=between, modes=full))
     assert not wets_rings(varied(seed, pto=above, modes=full))
+    assert not wets_rings(varied(seed, pto=above, modes=full, device={"young_modulus": 1e10}))
     soft = {"thickness": 0.004, "centre_of_mass": -0.5, "ballast_inertia": 4e4}
     assert wets_rings(varied(seed, pto=above, modes=full, device=soft))
     assert not wets_rings(varied(seed, pto={"port": "surge"}, motion="planar", modes=full, device=soft))

@@ -24,12 +24,12 @@ from vsb.errors import ConfigError
 from vsb.keys.quantities import at_key
 from vsb.models.rest import (
     attachment_modes,
-    loaded_at_ring,
     loaded_shell,
     ring_loads,
     stiffness_about,
     tension_at,
 )
+from vsb.study.resolution import loaded_at_ring
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 

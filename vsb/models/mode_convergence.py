@@ -30,9 +30,9 @@ from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
 from vsb.models.floating_system import ShapeWater, buoy_at, buoy_key, heading
-from vsb.models.rest import clamps, load_displacements, loaded_at_ring, order_bases, reference_shell, with_rings
+from vsb.models.rest import clamps, load_displacements, order_bases, reference_shell, with_rings
 from vsb.models.take_off import given_matrix, matrix_kind
-from vsb.study.resolution import bending_degree, degree_needed
+from vsb.study.resolution import bending_degree, degree_needed, loaded_at_ring
 from vsb.study.sections import IN_PLANE, RIGID, Modes, Motion
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

@@ -52,7 +52,7 @@ from vsb.engine.shell.rings import (
 from vsb.engine.shell.shell import Shell
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.study.resolution import wet_degree
+from vsb.study.resolution import loaded_at_ring, wet_degree
 from vsb.study.sections import RIGID
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -114,14 +114,6 @@ def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
     if (held := mooring_rows(study, basis)).size:
         free = free @ null_space(held @ free)
     return side_by_side(free, *others)
-
-
-def loaded_at_ring(study: Study, design: str) -> bool:
-    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
-    if study.designs[design].clamp:
-        return True
-    held = study.pto.held
-    return bool(study.pto.on_shell or (held and held.place == "ring"))
 
 
 def mooring_rows(study: Study, basis: ModeBasis) -> FloatArray:

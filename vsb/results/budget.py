@@ -27,8 +27,8 @@ from vsb.models.mode_convergence import (
     reach_of_modes,
     take_offs,
 )
-from vsb.models.rest import has_attachment_modes, loaded_at_ring
-from vsb.study.resolution import expected_change
+from vsb.models.rest import has_attachment_modes
+from vsb.study.resolution import expected_change, line_change, loaded_at_ring
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -171,7 +171,8 @@ def modes_left_out(
     The change from the basis of the study to the full basis of twice the degree that is enough for the tolerance, and
     for all further degrees the span of powers up to there: they change less where errors fall like 1/degree or faster.
     They fall like its power of 1.4 or, where a load acts at a ring of the shell, unevenly: there changes may be small
-    by chance, and count at least what is to be expected (`vsb.study.resolution.expected_change`).
+    by chance, and count at least what is to be expected (`vsb.study.resolution.expected_change`), and further degrees
+    may count for more than those compared (`vsb.study.resolution.line_change`).
     """
     if not study.has_shell or not seas:
         return xr.Dataset()
@@ -236,8 +237,10 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     if study.at_equilibrium:  # each degree has its own water
         share = np.maximum(share, SCATTER * SOLVED_EACH)
     expected = share[:, None, None] * before
-    alone = not has_attachment_modes(study)
-    far = np.array([reach_of_modes(study, one, convergence.finer) if alone else 1.0 for one in study.designs])
+    if has_attachment_modes(study):
+        far = np.where(at_ring, _beyond(convergence), 1.0)
+    else:
+        far = np.array([reach_of_modes(study, one, convergence.finer) for one in study.designs])
     if 0 < convergence.finer - convergence.enough < convergence.enough:  # errors like 1/degree
         far = far * convergence.enough / (convergence.finer - convergence.enough)
     reach = SAMPLED + far[:, None, None]
@@ -260,6 +263,18 @@ def _uneven(convergence: ModeConvergence, design: str) -> bool:
     if convergence.wet and not study.designs[design].clamp and study.pto.held is None:
         return False
     return loaded_at_ring(study, design)
+
+
+def _beyond(convergence: ModeConvergence) -> float:
+    """What degrees beyond the finest change beside loaded rings, over what those up to there do, at least 1 [-].
+
+    In water each yields otherwise than its attachment modes say, by shares of `line_change`: a thin stiff wall has few
+    degrees in its basis of all that yield.
+    """
+    study, last = convergence.study, convergence.finer
+    first = convergence.enough if last > convergence.enough else last // 2
+    before, left = (line_change(study, degree) for degree in (first, last))
+    return max(1.0, left / (before - left))
 
 
 def _gains(power: FloatArray, at: int) -> FloatArray:

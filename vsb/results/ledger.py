@@ -38,7 +38,6 @@ from vsb.models.rest import (
     complete_loaded_shell,
     computed_buckling,
     has_attachment_modes,
-    loaded_at_ring,
     loaded_shell,
     order_bases,
     reference_shell,
@@ -58,7 +57,7 @@ from vsb.results.budget import MODES
 from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_difference
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
-from vsb.study.resolution import no_witness
+from vsb.study.resolution import loaded_at_ring, no_witness
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import FEWEST_BATCHES, Study
 from vsb.tools.variables import FORCE, MOMENT

@@ -486,6 +486,10 @@ def bending_degree(study: Study) -> float:
 
 MOST_DRY = 42
 """Degree above which what the wall does beside the waterline replaces shell modes: these take hundreds of megabytes."""
+LAST = 4.0
+"""Degree of the last ones that yield to a load along a line, over `bending_degree` [-]."""
+FELT = 0.6
+"""`line_change` by dry degrees, over the tolerance, that powers feel [-]."""
 BESIDE_WATERLINE = 2
 """Degree without what the wall does beside the waterline over that with it, for the same error, at least [-]."""
 
@@ -503,15 +507,37 @@ def _bends_wall(study: Study) -> bool:
     )
 
 
+def loaded_at_ring(study: Study, design: str) -> bool:
+    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
+    if study.designs[design].clamp:
+        return True
+    held = study.pto.held
+    return bool(study.pto.on_shell or (held and held.place == "ring"))
+
+
+def line_change(study: Study, degree: int) -> float:
+    """Return what water on degrees above one changes of the displacement under a load along a line, relative [-].
+
+    To such a load all degrees yield about alike, by 1/k_n, and still water adds rho g to k_n: sum_(n > N) 1/k_n^2 over
+    sum_n 1/k_n. A thin wall of rubber yields by degrees to `bending_degree`, of which waves need a few alone.
+    """
+    wall = [wall_stiffness(study, n) for n in range(2, math.ceil(LAST * bending_degree(study)))]
+    return sum(1 / k**2 for k in wall[max(0, degree - 1) :]) / sum(1 / k for k in wall)
+
+
 def wets_rings(study: Study) -> bool:
     """Return whether shapes beside the rings a port loads and beside the waterline move water, if linear.
 
-    Where a port drives the bending of the wall, or the wall is so soft and thin that it needs many shell modes without.
-    Panels and a moving wetted surface would not resolve them.
+    Where a port drives the bending of the wall, or the wall is so soft and thin that it needs many shell modes without,
+    or that dry degrees beside a loaded ring would be felt. Panels and a moving wetted surface would not resolve them.
     """
     if not study.flexible or study.modes.basis != "full" or study.hydro.model != "linear" or study.uses_panels:
         return False
-    return _bends_wall(study) or (not _turns(study) and degree_needed(study, wet=False) > MOST_DRY)
+    if _bends_wall(study) or _turns(study):
+        return _bends_wall(study)
+    dry = max(study.modes.degree or 0, degree_needed(study, wet=False))
+    at_ring = any(loaded_at_ring(study, design) for design in study.designs)
+    return dry > MOST_DRY or (at_ring and line_change(study, dry) > FELT * study.modes.tolerance)
 
 
 WET, MOST_WET = 6.0, 240
