@@ -167,19 +167,22 @@ def test_mean_damper_matrix_of_a_year_counts_hours():
     np.testing.assert_allclose(found, 0.7 * weak + 0.3 * strong, rtol=1e-14)
 
 
-def test_rms_force_of_individual_dampers():
-    """Mean square of c V over the year, each sea at its own damping."""
+@pytest.mark.parametrize(("spring", "within"), [(0.0, 1e-9), (-6e4, 1e-4)])
+def test_rms_force_of_individual_dampers(spring, within):
+    """Mean square of c V + k x over the year, each sea at its own damping."""
     seas, grid = climate(), np.arange(0.1, 3.0, 0.02)
     ports = {"A": port(grid), "B": port(grid, mass=9e3)}
-    found = year(ports, seas, WATER, ["one", "each"])
+    beside = {name: one.beside(spring) for name, one in ports.items()}
+    found = year(beside, seas, WATER, ["one", "each"], stiffness=spring)
     for i, here in enumerate(ports.values()):
         each = found.damping[i, 1]
         assert np.ptp(each) > 0.1 * each.mean()
-        moved = [
-            np.abs(c * here.velocity_under(here.load(c))) ** 2 @ band_weights(grid, seas).T @ s / 2
-            for c, s in zip(each, seas.density, strict=True)
-        ]
-        assert found.force_rms[i, 1] == pytest.approx(np.sqrt(np.dot(moved, seas.hours)), rel=1e-9)
+        for j, dampers in enumerate((np.full(len(each), found.damping[i, 0, 0]), each)):
+            moved = [
+                np.abs(here.force(c, spring)) ** 2 @ band_weights(grid, seas).T @ s / 2
+                for c, s in zip(dampers, seas.density, strict=True)
+            ]
+            assert found.force_rms[i, j] == pytest.approx(np.sqrt(np.dot(moved, seas.hours)), rel=within)
 
 
 HOME = Path(__file__).parents[2]

@@ -331,7 +331,8 @@ class Results:
         omega = frequencies(climate, float(self.database.omega[0]), self._highest)
         ports = {design: self.port(design, omega, direction).beside(pto.stiffness) for design in self.study.designs}
         given = {design: damping for design in ports if (damping := pto.damper(design)) is not None}
-        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design, pto.efficiency)
+        reference, water, spring = self.study.reference_design, self.study.water, pto.stiffness
+        return year(ports, climate, water, tunings, given, reference, pto.efficiency, stiffness=spring)
 
     def period(self, wave: str | None = None) -> float:
         """Return the period of a sea [s]: of an irregular one the peak period, of still water the record."""

@@ -11,7 +11,7 @@ import xarray as xr
 
 from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.engine.motion.port import Port, Ports
-from vsb.engine.motion.take_off import named_ports, port_kind
+from vsb.engine.motion.take_off import Pto, named_ports, port_kind
 from vsb.engine.motion.tuning import matrix_text
 from vsb.engine.waves.climate import Climate
 from vsb.models.floating_system import Floating, InWaves
@@ -30,6 +30,7 @@ from vsb.results.year import (
     frequencies,
     limits_of,
     motion_rms,
+    spring_squares,
     within_errors,
     year,
 )
@@ -369,7 +370,8 @@ def ports_year(study: Study, ports: Mapping[str, Port | Ports], climate: Climate
     """Return the year of the designs of a study from their ports, beside the take-off's spring."""
     given = {design: given_damper(study.pto, design, port.velocity.shape[1:]) for design, port in ports.items()}
     kind, reference = matrix_kind(study.pto), study.reference_design
-    return year(ports, climate, study.water, tunings, given, reference, study.pto.efficiency, kind)
+    pto = study.pto
+    return year(ports, climate, study.water, tunings, given, reference, pto.efficiency, kind, pto.stiffness)
 
 
 @dataclass(frozen=True)
@@ -430,7 +432,7 @@ class DampedYears:
         """Results of designs that are not known yet."""
         ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         if not self.tunings:
-            return {} if study.pto.several else self._curves(ports, None, study.pto.efficiency)
+            return {} if study.pto.several else self._curves(ports, None, study.pto)
         of = ports_year(study, ports, self.climate, self.tunings)
 
         def motions(design: str, tuning: str) -> dict[str, FloatArray]:
@@ -439,21 +441,25 @@ class DampedYears:
 
         found = {**of.values, **beyond_validity(of, motions, study.radius)}
         if not study.pto.several:
-            return {**found, **self._curves(ports, of, study.pto.efficiency)}
+            return {**found, **self._curves(ports, of, study.pto)}
         means = [[of.absorbed[one, t].mean_damper(self.climate.hours) for t in self.tunings] for one in of.designs]
         found[MATRIX] = (*BY, "port", "port_"), np.array(means)
         return found
 
-    def _curves(self, ports: Mapping[str, Port], of: Year | None, efficiency: float) -> Values:
+    def _curves(self, ports: Mapping[str, Port], of: Year | None, pto: Pto) -> Values:
         """Mean power of the year and rms force of dampers that stay the same, each shape (design, damper)."""
-        years = [DesignYear(port, self.climate, efficiency) for port in ports.values()]
+        years = [DesignYear(port, self.climate, pto.efficiency) for port in ports.values()]
         if of and "one" in self.tunings:
             best = np.array([of.absorbed[design, "one"].dampers[0] for design in ports])
         else:
             best = DesignYear.best_for_year(years)
         tried = np.outer(best, TRIED)
         power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
-        found = (tried, power, np.sqrt(tried * power / efficiency))
+        square = tried * power / pto.efficiency
+        if pto.stiffness:
+            pairs = zip(years, tried, strict=True)
+            square += [spring_squares(one.port, dampers, pto.stiffness) @ one.squares for one, dampers in pairs]
+        found = (tried, power, np.sqrt(square))
         return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
     def _intervals(

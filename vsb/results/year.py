@@ -374,6 +374,7 @@ class Year:
     reference: str | None = None  # design that gains are over
     notes: tuple[str, ...] = ()
     efficiency: float = 1.0  # of the conversion that powers are after
+    spring_force: FloatArray | float = 0.0  # mean square of the spring's beside a damper (design, tuning) [N^2]
 
     @cached_property
     def bins(self) -> Bins:
@@ -409,9 +410,12 @@ class Year:
 
     @property
     def force_rms(self) -> FloatArray:
-        """Root mean square of the force of dampers over the year, shape (design, tuning) [N]: sqrt(mean of c P)."""
+        """Root mean square of the take-off's force over the year, shape (design, tuning) [N].
+
+        The mean of c P, P the power, and of (k x)^2 of a spring, whose force is a quarter of a period behind.
+        """
         assert self.damping is not None
-        return np.sqrt((self.damping * self.power / self.efficiency) @ self.climate.hours)
+        return np.sqrt((self.damping * self.power / self.efficiency) @ self.climate.hours + self.spring_force)
 
     @property
     def gain_percent(self) -> FloatArray | None:
@@ -465,6 +469,7 @@ def year(
     reference: str | None = None,
     efficiency: float = 1.0,
     kind: Kind = "full",
+    stiffness: float = 0.0,
 ) -> Year:
     """Return a site's year of some designs.
 
@@ -486,6 +491,8 @@ def year(
         Of conversion; below 1 beside no spring.
     kind : {'full', 'diagonal', 'uniform'}
         Of damper matrices.
+    stiffness : float [N/m]
+        Of the spring built in, whose force is part of the take-off's.
     """
     given = dict(dampings or {})
     if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
@@ -509,7 +516,10 @@ def year(
     power, hours = each(fine), practice(climate, PRACTICE_GAMMA).hours
     errors = np.abs((power - each(coarse)) @ climate.hours) / 3
     notes, names = (*climate.notes, outside), (tuple(ports), tuple(tunings))
-    return Year(climate, water, *names, fine, power, each(usual) @ hours, errors, reference, notes, efficiency)
+    spring: FloatArray | float = 0.0
+    if stiffness:
+        spring = np.array([[_spring_force(here[d], fine[d, tuning], stiffness) for tuning in tunings] for d in ports])
+    return Year(climate, water, *names, fine, power, each(usual) @ hours, errors, reference, notes, efficiency, spring)
 
 
 def design_year(port: Port | Ports, climate: Climate, efficiency: float = 1.0, kind: Kind = "full") -> DesignYear:
@@ -656,6 +666,30 @@ def motion_rms(
     each = bands @ climate.density.T  # (damper, row, sea)
     variance = np.maximum(np.einsum("nrs,ns->rs", each, shares), 0.0)
     return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0, initial=0.0))}
+
+
+def spring_squares(port: Port, dampers: FloatArray, stiffness: float) -> FloatArray:
+    """Return the mean square k^2 |V|^2/(2 w^2) of the force of a spring beside dampers, per squared amplitude.
+
+    Parameters
+    ----------
+    port : Port
+        Beside this spring.
+    dampers : ndarray, shape (damper,) [N s/m]
+    stiffness : float [N/m]
+
+    Returns
+    -------
+    ndarray, shape (damper, omega) [N^2/m^2]
+    """
+    return np.asarray(0.5 * stiffness**2 * _square(port.velocity_under(port.load(dampers))) / port.omega**2)
+
+
+def _spring_force(one: DesignYear, absorbed: Absorbed, stiffness: float) -> float:
+    """Mean square of the force of a spring over the year [N^2]."""
+    nodes, shares = _nodes(absorbed.dampers, absorbed.chosen)
+    each = spring_squares(one.port, nodes, stiffness) @ one.weights.T @ one.climate.density.T  # (node, sea)
+    return max(0.0, float((each * shares).sum(axis=0) @ one.climate.hours))
 
 
 def _undominated(rows: FloatArray) -> FloatArray:
