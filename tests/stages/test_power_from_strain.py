@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import vsb
+from vsb.results.ladder import study_ladder
 
 pytestmark = pytest.mark.slow
 ENERGY, PERIOD = 0.01, 3.0
@@ -44,6 +45,13 @@ def test_levels_of_two_ports_and_of_the_material(results):
     (check,) = results.checks.query("name == 'specific_energy'").itertuples()
     assert check.value == pytest.approx(levels["best_damper"] * PERIOD / mass, rel=1e-6)
     assert check.verdict == ("ok" if check.value <= ENERGY else "doubt" if check.value <= 5 * ENERGY else "fail")
+
+
+def test_level_of_the_material_stands_with_its_sea(results):
+    waves = [results.study.waves[0].model_copy(update={"period": period}) for period in (PERIOD, PERIOD + 1)]
+    study = results.study.model_copy(update={"waves": tuple(waves)})
+    found = [level.wave for level in study_ladder(study, results.plan.database_path)]
+    assert found == sorted(found, key=[wave.label for wave in waves].index)
 
 
 def test_time_and_frequency_domain_and_the_energy_of_a_viscous_shell(results):

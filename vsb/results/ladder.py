@@ -180,9 +180,9 @@ def study_ladder(study: Study, database: str) -> list[ControlLevel]:
             levels += causal_levels(study, floating, pairs, ports, levels)
         else:
             levels += causal_levels_with_drag(study, floating, pairs, levels)
-    levels.sort(key=partial(_order, list(study.designs), list(seas)))
-    levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
-    return [*levels, *material_levels(study, floating, seas, levels)]
+    order = partial(_order, list(study.designs), list(seas))
+    levels = with_errors(sorted(levels, key=order), floating, pairs, study.reference_design, left_out, matrices)
+    return sorted([*levels, *material_levels(study, floating, seas, levels)], key=order)
 
 
 def _order(designs: Sequence[str], waves: Sequence[str], level: ControlLevel) -> tuple[int, int, int]:
