@@ -346,6 +346,13 @@ def test_a_shell_is_told_what_may_follow(tmp_path, monkeypatch, line, follows):
     assert {*Path("found").read_text().split("\n")} == follows
 
 
+def test_database_of_a_study_is_exported_from_the_folder_of_its_results(small, tmp_path, monkeypatch):
+    results, study = Path("results").absolute(), Path("small.yaml").absolute()
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(study), "out", "--results", str(results)]) == 0
+    assert Path("out/small.1").exists()
+
+
 def test_ctrl_c_while_modules_load_is_one_line():
     """The first half second of a command goes into imports."""
     loading = "class Finder:\n def find_spec(name, *rest):\n  if name == 'vsb.cli': raise KeyboardInterrupt"

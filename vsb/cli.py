@@ -130,7 +130,7 @@ def export(args: argparse.Namespace) -> int:
     if (path := Path(args.config)).suffix == ".nc":
         print(*exported(path, args.folder, path.stem, inputs=[path]), sep="\n")
         return 0
-    plan = plan_of(args.config)
+    plan = plan_of(args.config, args.results)
     if isinstance(plan, CampaignPlan | DesignPlan):
         raise ConfigError(f"{args.config}: received a {plan.KIND}, needs a study, or one database file")
     stored = Path(plan.database.out)
@@ -409,6 +409,7 @@ def _add_imports(commands: Any) -> None:
     """Declare what exchanges databases with other codes."""
     words = "write a hydro database as WAMIT files and WEC-Sim .h5"
     one = _command(commands, "export", words, export, config="CONFIG|DATABASE.nc", folder="FOLDER")
+    _in_results(one)
     one.set_defaults(writes={"{folder}/": ""})
     words = "write the time series of a run with WEC-Sim's names"
     one = _command(commands, "series", words, series, config="TRAJECTORY.nc", out="OUT.csv|OUT.nc")

@@ -32,6 +32,8 @@ def test_wrong_key_and_period_are_one_line_each(example, tmp_path, monkeypatch):
             vsb.Buoy(radius=radius)
     with pytest.raises(vsb.VsbError, match=r"periods: received \[100\.0\] s, needs 0\.\d+ to \d+\.\d s"):
         example.rao([100.0])
+    with pytest.raises(vsb.VsbError, match=r"periods: received an array of shape \(1, 2\), needs one row of periods"):
+        example.power([[3.0, 4.0]])
     assert list(tmp_path.iterdir()) == []
 
 

@@ -132,6 +132,8 @@ class Buoy:
     def _frequencies(self, periods: npt.ArrayLike) -> tuple[pd.Index, npt.NDArray[np.float64]]:
         """Periods as an index, and their frequencies [rad/s], within the band solved."""
         at = np.atleast_1d(np.asarray(periods, dtype=float))
+        if at.ndim > 1:
+            raise ConfigError(f"periods: received an array of shape {at.shape}, needs one row of periods [s]")
         omega = self._results.response.omega.values
         shortest, longest = 2 * np.pi / omega[-1], 2 * np.pi / omega[0]
         if not ((at >= shortest) & (at <= longest)).all():

@@ -350,7 +350,7 @@ class Results:
         direction : float [degrees]
             Of the waves.
         """
-        at = self.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        at = self.database.omega.values if omega is None else np.atleast_1d(np.asarray(omega, dtype=float))
         if self.study.pto.several:
             raise ConfigError("pto.port: several ports have no one impedance; needs several_ports")
         return self._floating.ports(at, direction)[self._design(design)]
