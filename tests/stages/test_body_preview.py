@@ -42,8 +42,8 @@ def test_check_summarises_a_body_study(finished, workplace, capsys):
 
 
 def test_cost_of_a_body_is_that_of_its_mesh_and_symmetry_as_built():
-    """The size of a mesh file bounds its panels alone, which would be 90 s; measured 10.7 CPU-seconds."""
-    assert 10.7 / 2 < solving_seconds(plan_of(str(HOME / "config" / "hinged_barge.yaml"))) < 2 * 10.7
+    """The size of a mesh file bounds its panels alone, which would be many times that; measured 3.5 CPU-seconds."""
+    assert 3.5 / 2 < solving_seconds(plan_of(str(HOME / "config" / "hinged_barge.yaml"))) < 2 * 3.5
 
 
 def checked(finished, capsys, **changes):

@@ -48,10 +48,11 @@ def test_study_at_a_given_damper_is_also_compared_as_it_ran(small):
         assert [getattr(one, name) for name in columns] == pytest.approx([float(row[name]) for name in columns])
 
 
-def test_powers_of_a_study_with_losses_are_all_after_conversion(small, capsys):
+def test_powers_of_a_study_with_losses_are_all_after_conversion(small, tmp_path, capsys):
     """Of a linear take-off, efficiency times those without losses, at the optimal damping and at the given one."""
     pto = small.study.pto.model_copy(update={"efficiency": 0.8})
-    lossy = StudyPlan(small.study.model_copy(update={"study": "lossy", "pto": pto}))
+    shutil.copytree(f"{small.root}/hydro", tmp_path / "hydro")
+    lossy = StudyPlan(small.study.model_copy(update={"study": "lossy", "pto": pto}), root=str(tmp_path))
     tables_of(lossy)
     make(lossy, [f"{lossy.folder}/tables.json"])
     without, found = lines([small]), lines([lossy])
