@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ from vsb.models.rest import check_moored, check_stable, check_upright, reference
 from vsb.models.take_off import LINEARISED
 from vsb.models.viability import viability
 from vsb.pipeline.graph import StudyPlan
+from vsb.report.figures import forecast
+from vsb.results.gains import worth_of_knowledge
 from vsb.results.ladder import study_ladder
 from vsb.stages import make
 from vsb.stages.stage import run_task
@@ -355,6 +358,18 @@ def test_drag_rotates_with_the_waves(folder):
 
 def spread(s):
     return {"kind": "jonswap", "hs": 0.5, "tp": 3.5, "spreading": {"s": s, "directions": 7}}
+
+
+def test_a_port_that_no_wave_moves_has_a_figure_that_says_so(folder):
+    """Sway in waves along x."""
+    wave = {"kind": "jonswap", "hs": 0.5, "tp": 3.5}
+    port = {"damping": 1.9e4, "port": {"dof": "Sway"}}
+    study = study_with(**FREE, waves=[wave], pto=port, designs={"FSB": {"flexible": False}})
+    floating = floating_system(study, made(study, folder).database.out)
+    found = worth_of_knowledge(study, floating, study.waves[0])
+    assert (found.over_forecast.shape[0], found.over_noise.shape[0], found.damper.size) == (0, 0, 0)
+    (text,) = forecast(SimpleNamespace(knowledge={"sea": found}), "sea").axes[0].texts
+    assert text.get_text() == "waves move no design's port"
 
 
 @pytest.mark.parametrize(("s", "count"), [(10.0, 9), (2.0, 31)])

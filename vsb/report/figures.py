@@ -262,7 +262,10 @@ def forecast(data: StudyData, wave: str) -> Figure:
         left.axhline(float(own.damper), color=line["color"], linestyle="--", linewidth=0.8, alpha=0.6)
     left.set(xlabel="forecast [s]", ylabel="mean power [W]")
     right.set(xlabel="noise [dB of the waves' force]")
-    legend_above(figure, left)
+    if found.sizes["design"]:
+        legend_above(figure, left)
+    else:
+        note(left, "waves move no design's port")
     return figure
 
 

@@ -423,8 +423,10 @@ def worth_of_knowledge(study: Study, floating: FloatingSystem, wave: Irregular) 
         found["known_future"].append(np.array(control.power(0.0, np.inf)))
         found["damper"].append(np.array(absorbed))
         designs.append(design)
-    dims = {"over_forecast": ("design", "forecast"), "over_noise": ("design", "noise")}
-    return xr.Dataset(
-        {name: (dims.get(name, ("design",)), np.array(values)) for name, values in found.items()},
-        {"design": designs, "forecast": forecasts, "noise": np.array(NOISES)},
-    )
+    over = {"over_forecast": ("forecast", forecasts), "over_noise": ("noise", np.array(NOISES))}
+    data = {}
+    for name, values in found.items():
+        dim, at = over.get(name, ("", np.zeros(0)))
+        shape = (len(designs), len(at)) if dim else (len(designs),)  # none where waves move no design's port
+        data[name] = (("design", dim)[: len(shape)], np.array(values, dtype=float).reshape(shape))
+    return xr.Dataset(data, {"design": np.array(designs, dtype=str), **dict(over.values())})
