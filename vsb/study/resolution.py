@@ -450,6 +450,9 @@ AT_POINTS = 4.5
 """Degree that resolves what bends about the ends of a port between two points, over `bending_degree` [-]."""
 AT_WET_POINTS = 1.5
 """The same where shapes beside them move water, too [-]."""
+AT_JUNCTION = 0.15
+"""Change of mean power by all degrees above one, times that degree, of a capsule about its equilibrium: where its
+curvature jumps its load bends the wall [-]."""
 RADIAL = 8.0
 """Change of the power of a port normal to the wall at a ring, which drives the bending of a soft wall in waves, over
 that of one that heaves [-]."""
@@ -602,4 +605,6 @@ def degree_needed(study: Study, wet: bool | None = None) -> int:
     enough = study.modes.tolerance / factor
     between = any(isinstance(one, BetweenPort) for one in ports)
     least = (AT_WET_POINTS if wet else AT_POINTS) * bending_degree(study) if between else 0.0
+    if study.at_equilibrium and study.device.shape is not None and study.device.shape.capsule:
+        least = max(least, AT_JUNCTION / study.modes.tolerance)
     return next((n for n in DEGREES if n >= least and expected_change(study, n, wet=wet) <= enough), DEGREES[-1])
