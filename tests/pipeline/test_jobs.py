@@ -53,7 +53,7 @@ REGULAR, IRREGULAR = {"kind": "regular", "amplitude": 0.1, "period": 3.5}, {"kin
     [
         (6, None, math.inf, REGULAR, 2.2),
         (30, None, math.inf, REGULAR, 4.4),
-        (60, None, math.inf, REGULAR, 7.4),
+        (60, None, math.inf, REGULAR, 11.3),
         (30, None, math.inf, IRREGULAR, 19.3),
         (15, 4.4, 15.0, REGULAR, 4.5),
         (30, 4.4, math.inf, REGULAR, 5.7),

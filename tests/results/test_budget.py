@@ -149,6 +149,13 @@ def test_sampled_seas_keep_their_energy():
     assert mean == pytest.approx((amplitude.real**2 @ omega) / (amplitude.real**2).sum(), rel=2e-3)
 
 
+def test_degrees_that_hold_all_that_yields_to_a_ring_leave_next_to_nothing_out(seed):
+    """Of a thick stiff wall: what is beyond its degrees, nothing, was divided by nothing."""
+    wall = {"thickness": 0.1, "young_modulus": 4e8, "density": 1000.0}
+    study = varied(seed, device=wall, designs=CLAMPED, waves=WAVES[3:4], modes={"basis": "full", "degree": 42})
+    assert np.abs(left_out(study).power).max() < 1e-2
+
+
 def test_rigid_buoys_leave_no_modes_out(seed):
     assert not left_out(varied(seed, designs={"FSB": {"flexible": False}})).data_vars
 

@@ -274,7 +274,7 @@ def _beyond(convergence: ModeConvergence) -> float:
     study, last = convergence.study, convergence.finer
     first = convergence.enough if last > convergence.enough else last // 2
     before, left = (line_change(study, degree) for degree in (first, last))
-    return max(1.0, left / (before - left))
+    return max(1.0, left / (before - left)) if left > 0 else 1.0  # all degrees that yield are in both
 
 
 def _gains(power: FloatArray, at: int) -> FloatArray:
