@@ -113,10 +113,17 @@ def mean_power(
     return electrical_power(damping, stiffness, square.sum(axis=1), (square / port.omega**2).sum(axis=1), efficiency)
 
 
+AT_ONCE = 500_000
+"""Loads or damper matrices that are tried at a time, times their frequencies or admittances: some 30 MB."""
+
+
 def powers_of_all(
     port: Port, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float
 ) -> FloatArray:
     """Return the mean power of every load in every sea, shape (load, sea) [W]; arguments as `mean_power`."""
+    if len(damping) > (some := max(1, AT_ONCE // len(port.omega))):
+        parts = (slice(i, i + some) for i in range(0, len(damping), some))
+        return np.concatenate([powers_of_all(port, squares, damping[i], stiffness[i], efficiency) for i in parts])
     square = 0.5 * port.speed_under(damping, stiffness)
     speed = square @ squares.T
     stroke = speed if efficiency == 1.0 else (square / port.omega**2) @ squares.T
@@ -496,8 +503,6 @@ DRAWN = 64
 """Damper matrices tried first, drawn about the ports' own impedances, always the same ones."""
 CLIMBED = 4
 """The best of them that are followed to a maximum."""
-AT_ONCE = 500_000
-"""Entries of admittances under damper matrices that are tried at a time: some 30 MB."""
 SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
 LOCKED = 1e4
