@@ -1,9 +1,11 @@
-"""How finely a study is solved: degree of the shell modes, rows of panels, frequency grid and blocks. Pure Python."""
+"""How finely a study is solved: degree of the shell modes, rows of panels, frequency grid and blocks."""
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
 
 from vsb.engine.hydro.panels import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
 from vsb.engine.motion.take_off import (
@@ -20,6 +22,7 @@ from vsb.keys.quantities import content_id
 from vsb.study.sections import DEGREES, Design
 from vsb.study.specs import DeformedMeshes, Mesh, PanelsBlock, Rows, Shapes, SpectralBlock, Sphere, spec_of
 from vsb.study.study import CLEARANCE, Study
+from vsb.tools.arrays import FloatArray
 
 AnyBlock = PanelsBlock | SpectralBlock
 BLOCK = 32
@@ -468,8 +471,11 @@ SOFT = 8.0
 """Stiffness of a wall about which its shapes resonate in waves, which magnifies what is left out, over rho g [-]."""
 
 
-def wall_stiffness(study: Study, degree: int) -> float:
-    """Return the stiffness per unit area k_n of a wall against a load of a Legendre degree, over rho g [-].
+Degrees = TypeVar("Degrees", float, FloatArray)
+
+
+def wall_stiffness(study: Study, degree: Degrees) -> Degrees:
+    """Return the stiffness per unit area k_n of a wall against a load of a Legendre degree, or of each, over rho g [-].
 
     k_n = (E h + T n(n+1) + D n^2 (n+1)^2/r^2)/r^2, by its membrane, by the tension T = p r/2 of an internal pressure,
     and by bending, D = E h^3/12(1 - nu^2).
@@ -524,8 +530,8 @@ def line_change(study: Study, degree: int) -> float:
     To such a load all degrees yield about alike, by 1/k_n, and still water adds rho g to k_n: sum_(n > N) 1/k_n^2 over
     sum_n 1/k_n. A thin wall of rubber yields by degrees to `bending_degree`, of which waves need a few alone.
     """
-    wall = [wall_stiffness(study, n) for n in range(2, math.ceil(LAST * bending_degree(study)))]
-    return sum(1 / k**2 for k in wall[max(0, degree - 1) :]) / sum(1 / k for k in wall)
+    yields = 1 / wall_stiffness(study, np.arange(2.0, math.ceil(LAST * bending_degree(study))))
+    return float((yields[max(0, degree - 1) :] ** 2).sum() / yields.sum())
 
 
 def wets_rings(study: Study) -> bool:
