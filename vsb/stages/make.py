@@ -124,7 +124,7 @@ def make_each(
     print goes into the log.
     """
     count = workers(some) if side_by_side and CAN_FORK else 1
-    known = known_seconds(plan)
+    known = {} if quiet else known_seconds(plan)
     progress = Progress(plan.name, [known.get(task.out, task.seconds) for task in some], quiet, count)
 
     def begun(place: int, done: Collection[int]) -> None:

@@ -29,12 +29,10 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import eigvals
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray, in_parts
 
 _COLUMNS = 12
 """Combinations of columns that the weights are found from; all columns are interpolated."""
-AT_ONCE = 1_000_000
-"""Values that are interpolated at once: 16 megabytes."""
 FEWEST_SAMPLES = 4
 """Least number of samples for which three interpolants can be compared."""
 
@@ -139,10 +137,9 @@ class Selected(NamedTuple):
 
 def _steps(rationals: Sequence[Rational], grid: FloatArray) -> list[FloatArray]:
     """Largest differences of neighbouring interpolants on a grid, each (grid,): of few values at once."""
-    count = max(1, AT_ONCE // rationals[0].values.shape[1])
     found = []
-    for first in range(0, len(grid), count):
-        on = (r(grid[first : first + count]) for r in rationals)
+    for part in in_parts(len(grid), rationals[0].values.shape[1]):
+        on = (r(grid[part]) for r in rationals)
         found.append([np.abs(b - a).max(axis=1) for a, b in itertools.pairwise(on)])
     return [np.concatenate(parts) for parts in zip(*found, strict=True)]
 
@@ -288,11 +285,9 @@ class AdaptiveSweep:
                 f"omega: received {omega.min():g} to {omega.max():g} rad/s, the sweep holds {first:g} to {last:g}; "
                 "sweep a wider band"
             )
-        count = max(1, AT_ONCE // self.radiation.values.shape[1])
         added_mass = np.empty((len(omega), self.radiation.values.shape[1]))
         damping = np.empty_like(added_mass)
-        for first in range(0, len(omega), count):
-            part = slice(first, first + count)
+        for part in in_parts(len(omega), added_mass.shape[1]):
             radiated = self.radiation(omega[part])
             added_mass[part], damping[part] = radiated.real, omega[part, None] * radiated.imag
         total = self.excitation(omega) / self.incident.turn(omega)

@@ -8,12 +8,10 @@ from scipy.linalg import eigh, null_space
 
 from vsb.engine.hydro.database import Coefficients
 from vsb.engine.motion.port import ROUND_OFF, Port, Ports
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray, in_parts
 
 UNRESTRAINED = 1e-6
 """Share of a steady force without restoring force from which on the port is unrestrained [-]."""
-AT_ONCE = 1_000_000
-"""Entries of matrices over frequency that are made at once: 16 megabytes each."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +36,7 @@ class LinearEquation:
 
         N^T [-w^2 (M + A) - i w (B + D) + K + K_v] N [N/m]; those of all frequencies at once would take gigabytes.
         """
-        count = max(1, AT_ONCE // max(1, motions.size))
-        for first in range(0, max(1, len(self.omega)), count):
-            part = slice(first, first + count)
+        for part in in_parts(max(1, len(self.omega)), motions.size):
             w, (added_mass, radiated, _) = self.omega[part, None, None], self.water
             damping, stiffness, stiffening = (
                 each[part] if isinstance(each, np.ndarray) and each.ndim == 3 else each

@@ -14,7 +14,7 @@ from scipy.optimize import brentq, minimize
 
 from vsb.engine.motion.port import Port, Ports
 from vsb.engine.waves.seas import Sea
-from vsb.tools.arrays import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray, in_parts
 
 LOG_STEP = 0.1
 """Step of the logarithm of the dampers tried first. In it P''/P >= -1 (the sum of 1/(R + |Z| cosh(u - ln |Z|)) over
@@ -113,16 +113,11 @@ def mean_power(
     return electrical_power(damping, stiffness, square.sum(axis=1), (square / port.omega**2).sum(axis=1), efficiency)
 
 
-AT_ONCE = 500_000
-"""Loads or damper matrices that are tried at a time, times their frequencies or admittances: some 30 MB."""
-
-
 def powers_of_all(
     port: Port, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float
 ) -> FloatArray:
     """Return the mean power of every load in every sea, shape (load, sea) [W]; arguments as `mean_power`."""
-    if len(damping) > (some := max(1, AT_ONCE // len(port.omega))):
-        parts = (slice(i, i + some) for i in range(0, len(damping), some))
+    if len(parts := in_parts(len(damping), len(port.omega))) > 1:
         return np.concatenate([powers_of_all(port, squares, damping[i], stiffness[i], efficiency) for i in parts])
     square = 0.5 * port.speed_under(damping, stiffness)
     speed = square @ squares.T
@@ -582,8 +577,7 @@ def best_matrix(
     starts = (
         form.starts(np.random.default_rng(count)) if near is None else [form.of_matrix(near / np.outer(unit, unit))]
     )
-    at_once = max(1, AT_ONCE // seen.admittance.size)
-    powers = np.concatenate([powers_of(starts[i : i + at_once]) for i in range(0, len(starts), at_once)])
+    powers = np.concatenate([powers_of(starts[part]) for part in in_parts(len(starts), seen.admittance.size)])
     followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
     if isinstance(form, _Full) and near is None:
         own = best_matrix(ports, squares, "diagonal", price=price).damping
