@@ -532,8 +532,7 @@ def best_matrix(
         Most Newton steps after quasi-Newton's: of a matrix whose power is to be differentiated, for then slopes by the
         ports are as exact as the matrix. Of one damper for all ports none.
     price : float [m/(N s)]
-        Of the mean square of all forces, which is taken from the power that is maximised. Of one damper for all ports
-        nothing is.
+        Of the mean square of all forces, which is taken from the power that is maximised; not of one damper for all.
     near : ndarray, shape (port, port)
         Matrix whose nearest maximum is wanted; none: the largest of all.
 
@@ -549,6 +548,8 @@ def best_matrix(
     if not used.any():
         return DamperMatrix(np.zeros((count, count)), 0.0)
     if kind == "uniform":
+        if price or near is not None:
+            raise ValueError("uniform: received a price or a matrix nearby, needs neither: it is the best of all")
         dampers, powers = ports.equal_dampers
         equal = float(best_of_table(dampers, (powers @ squares)[:, None]).damping[0]) * np.eye(count)
         return DamperMatrix(equal, float(squares[used] @ ports.at(used).power(equal)))
